@@ -1,4 +1,4 @@
-/// Random numbers that depend on their place only: the same for any number of threads.
+/// Random numbers that depend on their index only: the same for any number of threads.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace trivet::kernels {
 
-/// A short stream of its own for each (seed, stream, item). Source: SplitMix64 (Steele, Lea, Flood,
+/// A separate short stream for each (seed, stream, item). Source: SplitMix64 (Steele, Lea, Flood,
 /// OOPSLA 2014).
 class CounterRandom {
  public:
@@ -15,7 +15,7 @@ class CounterRandom {
       : state_(mix(mix(mix(seed) + stream) + item)) {}
 
   std::uint64_t next() noexcept { return mix(state_ += kGamma); }
-  /// In [0, 1).
+  /// Uniform in [0, 1).
   double uniform() noexcept { return static_cast<double>(next() >> 11) * 0x1p-53; }
   double uniform(double low, double high) noexcept { return low + (high - low) * uniform(); }
   /// Standard normal. Source: Box and Muller, 1958.

@@ -1,4 +1,4 @@
-/// Angles without branches, so that loops over them vectorize.
+/// Branch-free angles, so that loops over them vectorize.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-/// A pose that a method proposes.
+/// A pose hypothesis.
 #pragma once
 
 #include "storage/data/model.hpp"

@@ -1,4 +1,4 @@
-/// The middle of some numbers.
+/// The median of numbers.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace trivet::kernels {
 
-/// The upper one of two in the middle; 0 for none. Reorders the values. No allocation.
+/// The median; the upper of the two middle values, 0 for none. Reorders the values. No allocation.
 template <class Number>
 Number median(std::span<Number> values) noexcept {
   if (values.empty()) return 0;

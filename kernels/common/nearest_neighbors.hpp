@@ -11,14 +11,13 @@
 
 namespace trivet::kernels {
 
-/// A k-d tree over points or feature vectors, by FLANN, that only reads once it is built.
+/// A k-d tree over points or feature vectors, by FLANN, immutable once it is built.
 ///
-/// Vectors and queries of d dimensions stand one after the other: vector i is the d floats from
-/// i * d on. All searches are exact, inclusive of the radius, and break ties by the lowest index,
-/// so that any split of the queries gives the same bits. Searches may run side by side; FLANN takes
-/// d floats of heap for each query. For points in space and a radius known beforehand, VoxelHash is
-/// faster. Source: Friedman, Bentley, Finkel, ACM TOMS 1977 (k-d tree); Muja and Lowe, VISAPP 2009
-/// (FLANN).
+/// Vectors and queries of d dimensions are concatenated: vector i is the d floats from i * d on.
+/// All searches are exact, include the radius, and break ties by the lowest index, so that any
+/// split of the queries gives the same bits. Searches are thread-safe; FLANN allocates d floats for
+/// each query. For points in space and a radius known beforehand, VoxelHash is faster. Source:
+/// Friedman, Bentley, Finkel, ACM TOMS 1977 (k-d tree); Muja and Lowe, VISAPP 2009 (FLANN).
 class NearestNeighbors {
  public:
   static constexpr std::uint32_t kNone = 0xFFFFFFFF;
@@ -38,7 +37,7 @@ class NearestNeighbors {
 
   /// Write the k nearest vectors of each query, the nearest first.
   ///
-  /// queries            m vectors; one that is not finite has no neighbors
+  /// queries            m vectors; non-finite ones have no neighbors
   /// indices            m * k; kNone past the last neighbor
   /// squared_distances  m * k; infinite past the last neighbor
   /// Errors: no_memory.
@@ -52,10 +51,11 @@ class NearestNeighbors {
   Result<void> count_within(std::span<const float> queries, float radius,
                             std::span<std::uint32_t> counts) const;
 
-  /// Write the vectors within radius of each query, rising by index.
+  /// Write the vectors within radius of each query, in ascending order of index.
   ///
   /// offsets  m + 1, exclusive sums of the counts; row i goes to indices[offsets[i] .. offsets[i +
-  /// 1]) Errors: no_memory.
+  ///          1])
+  /// Errors: no_memory.
   Result<void> fill_within(std::span<const float> queries, float radius,
                            std::span<const std::uint32_t> offsets,
                            std::span<std::uint32_t> indices) const;

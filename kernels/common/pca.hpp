@@ -8,12 +8,12 @@
 
 namespace trivet::kernels {
 
-/// Find mean and principal components.
+/// Compute the mean and the principal components.
 ///
-/// vectors         n of `dimension` > 0 finite numbers, one after the other; n >= 1
-/// max_components  > 0; less than that where there are fewer dimensions, or where
-/// energy          0..1: components that together keep this share of the variance are enough
-/// The largest number of each component is positive. Deterministic. Takes dimension^2 doubles.
+/// vectors         n vectors of `dimension` > 0 finite numbers, concatenated; n >= 1
+/// max_components  > 0; fewer result if there are fewer dimensions, or by `energy`
+/// energy          0..1: components beyond this share of the variance are omitted
+/// The largest number of each component is positive. Deterministic. Allocates dimension^2 doubles.
 /// Cost: n dimension^2.
 /// Source: Pearson 1901; eigenvectors of the covariance.
 PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,

@@ -1,4 +1,4 @@
-/// Least-squares plane through points that were summed about an origin near them.
+/// Least-squares plane from sums over points relative to a nearby origin.
 #pragma once
 
 #include <algorithm>
@@ -6,26 +6,26 @@
 
 namespace trivet::kernels {
 
-/// Sums over points p, each taken relative to one origin near them.
+/// Sums over points p, each relative to one origin near them.
 struct PlaneSums {
   double n, x, y, z, xx, xy, xz, yy, yz, zz;
 };
 
 struct PlaneFit {
   double x, y, z;   ///< unit normal; its sign is arbitrary
-  double residual;  ///< root mean square of the points' distances to the plane
-  bool determined;  ///< false: fewer than 3 points, or all on a line (see fit_plane)
+  double residual;  ///< root mean square distance of the points to the plane
+  bool determined;  ///< false: fewer than 3 points, or all collinear (see fit_plane)
 };
 
 /// Fit a plane: its normal is the direction of least spread about the mean.
 ///
-/// Undetermined where the points spread along one line only: second-largest standard deviation
-/// below about a thousandth of the largest. Where the two smallest spreads are equal (a thick rod,
-/// a solid ball) some direction of least spread is given.
-/// Free of branches, so that loops over it vectorize.
+/// Undetermined if the points spread along one line only: the second-largest standard deviation is
+/// below about a thousandth of the largest. If the two smallest spreads are equal (a thick rod, a
+/// solid ball), the result is one of the directions of least spread.
+/// Branch-free, so that loops over it vectorize.
 /// Source: Hoppe et al., SIGGRAPH 1992, tangent plane estimation. The smallest eigenvalue is the
-/// smallest root of the characteristic polynomial, which Newton's method reaches from 0 upwards;
-/// the normal is a column of the adjugate of C - lambda I, whose columns are all multiples of it.
+/// smallest root of the characteristic polynomial, which Newton's method reaches from 0 upwards.
+/// The normal is a column of the adjugate of C - lambda I, whose columns are all multiples of it.
 inline PlaneFit fit_plane(const PlaneSums& s) {
   // Covariance about the mean, scaled to trace 1.
   const double inverse_n = 1 / std::max(s.n, 1.0);

@@ -1,4 +1,4 @@
-/// Vectors in terms of principal components, many and fast.
+/// Fast projection of many vectors onto principal components.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,15 @@
 
 namespace trivet::kernels {
 
-/// Principal components as whole numbers of 16 bits.
+/// Principal components as 16-bit integers.
 ///
-/// A vector less the mean is scaled by a power of two, to a length of 2^14 to 2^15, and rounded;
-/// components, whose length is 1, by 2^15. No sum of products can then leave 32 bits (Cauchy and
-/// Schwarz), and sums are exact: the same in any order, so that a processor may add up as many at a
-/// time as it can. Rounding moves a number by some 1e-5 of the vector's length.
+/// A vector minus the mean is scaled by a power of two to a length of 2^14 to 2^15 and rounded.
+/// Components, whose length is 1, are scaled by 2^15. Sums of products therefore fit into 32 bits
+/// (Cauchy and Schwarz) and are exact in any order, so that any vector width gives the same result.
+/// Rounding changes a number by some 1e-5 of the vector's length.
 class Projector {
  public:
-  static constexpr std::size_t kMostNumbers = 1024;  ///< of a vector
+  static constexpr std::size_t kMostNumbers = 1024;  ///< largest dimension
 
   /// Pre: basis.dimension <= kMostNumbers.
   explicit Projector(const PcaBasis& basis);
@@ -26,19 +26,19 @@ class Projector {
   /// Number of components.
   std::size_t size() const noexcept { return num_components_; }
 
-  /// Write vectors less the mean in terms of the components.
+  /// Project vectors minus the mean onto the components.
   ///
-  /// vectors  n of dimension() finite numbers
-  /// out      n of size() numbers
-  /// No allocation or lock. Vectors are independent: any split into chunks gives the same
-  /// bits, on any processor.
+  /// vectors  n vectors of dimension() finite numbers
+  /// out      n vectors of size() numbers
+  /// No allocation or lock. Vectors are independent: any split into chunks gives the same bits, on
+  /// any processor.
   void project(std::span<const float> vectors, std::span<float> out) const;
 
  private:
   std::size_t num_components_ = 0;
-  std::size_t stride_ = 0;           // of a component: filled up with 0
+  std::size_t stride_ = 0;           // size of a component, padded with 0
   Column<float> mean_;               // dimension numbers
-  Column<std::int16_t> components_;  // in 2^-15; zeros behind the last, up to a whole block
+  Column<std::int16_t> components_;  // in 2^-15; zero-padded to a whole block
 };
 
 }  // namespace trivet::kernels

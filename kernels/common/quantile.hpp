@@ -1,4 +1,4 @@
-/// Any share of the way through some numbers.
+/// Quantiles of numbers.
 #pragma once
 
 #include <algorithm>
@@ -9,9 +9,9 @@
 
 namespace trivet::kernels {
 
-/// Linear between the neighbors in rank; none without values.
+/// Quantile with linear interpolation between ranks; empty without values.
 ///
-/// share  0..1; 0.5 gives the median, and of an even number the mean of the two in the middle
+/// share  0..1; 0.5 gives the median, for an even number the mean of the two middle values
 inline std::optional<double> quantile(std::vector<double> values, double share) {
   if (values.empty()) return std::nullopt;
   std::sort(values.begin(), values.end());

@@ -1,4 +1,4 @@
-/// Sort integer keys and carry an index with each, in time linear in their number.
+/// Sorting of integer keys with an index each, in linear time.
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@ struct RadixScratch {
   Column<std::uint32_t> values;
 };
 
-/// Sort keys to rising order and move each value with its key. Equal keys keep their order.
+/// Sort keys in ascending order and move each value with its key. Stable.
 ///
 /// keys     n keys, none above max_key
 /// values   n values
-/// max_key  sets the number of passes: one for each 11 bits
-/// Cost: O(n) a pass. Allocates only where scratch is smaller than n.
+/// max_key  determines the number of passes: one for each 11 bits
+/// Cost: O(n) per pass. Allocates only if scratch is smaller than n.
 void radix_sort(Column<std::uint64_t>& keys, Column<std::uint32_t>& values, std::uint64_t max_key,
                 RadixScratch& scratch);
 

@@ -1,19 +1,19 @@
-/// Least-squares plane through heights over a grid, from their sums.
+/// Least-squares plane through heights over a grid, from sums.
 #pragma once
 
 namespace trivet::kernels {
 
-/// Sums over n places (x, y) with heights r.
+/// Sums over n positions (x, y) with heights r.
 struct SlopeSums {
   double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, r = 0, rx = 0, ry = 0;
 };
 
-/// r = mean + gx (x - mean x) + gy (y - mean y).
+/// The fitted plane r = mean + gx (x - mean x) + gy (y - mean y).
 struct SlopeFit {
-  double gx, gy;       ///< not finite where the determinant is 0
-  double xx, yy;       ///< sums of squares about the mean place
-  double explained;    ///< by the slopes, of the sum of squares of r about its mean
-  double determinant;  ///< xx yy - xy^2: what holds the slopes
+  double gx, gy;       ///< slopes; not finite if the determinant is 0
+  double xx, yy;       ///< sums of squares about the mean position
+  double explained;    ///< part of the sum of squares of r about its mean that the slopes explain
+  double determinant;  ///< xx yy - xy^2: determinant of the equations for the slopes
 };
 
 /// Pre: n > 0.

@@ -1,4 +1,4 @@
-/// A grid for neighbor searches of a known radius.
+/// A voxel grid for neighbor searches with a known radius.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,11 +15,11 @@
 
 namespace trivet::kernels {
 
-/// Points sorted by voxel, with a table that finds a row of voxels (equal y and z) at once.
+/// Points sorted by voxel, with a hash table that finds a row of voxels (equal y and z) at once.
 ///
-/// Built once, then only read: queries allocate nothing and may run side by side.
+/// Immutable once built: queries allocate nothing and are thread-safe.
 /// Neighbors come in a fixed order: by voxel (z, then y, then x), then by index.
-/// Distances are those of float coordinates, dx*dx + dy*dy + dz*dz; a radius includes its sphere.
+/// Distances are computed from float coordinates, dx*dx + dy*dy + dz*dz; the radius is included.
 /// Source: cell lists (Allen and Tildesley, Computer Simulation of Liquids), sorted, not linked.
 class VoxelHash {
  public:
@@ -30,18 +30,18 @@ class VoxelHash {
 
   VoxelHash() : VoxelHash(PointsView{}, 1) {}
 
-  /// Sort points into voxels of edge `cell`; fastest where that is about the radius of the queries.
+  /// Sort points into voxels of edge `cell`; fastest if that is about the radius of the queries.
   ///
   /// points  n < 2^32 positions, anywhere; those with a non-finite coordinate are never found
-  /// cell    > 0; doubled until the voxels of the cloud's box can be counted in 64 bits
+  /// cell    > 0; doubled until the number of voxels in the cloud's bounding box fits 64 bits
   /// Cost: O(n). Keeps a copy of the points.
   VoxelHash(PointsView points, float cell);
 
-  /// Number of points that can be found.
+  /// Number of finite points.
   std::size_t size() const noexcept { return indices_.size(); }
 
-  /// Call visit(index, squared_distance) for each point within radius of a query.
-  /// Nothing lies within a negative radius, nor near a query that is not finite.
+  /// Call visit(index, squared_distance) for each point within radius of a query. A negative radius
+  /// or a non-finite query finds nothing.
   template <class Visit>
   void visit_within(const Eigen::Vector3f& query, float radius, Visit&& visit) const {
     const PointsView sorted = sorted_;
@@ -54,8 +54,8 @@ class VoxelHash {
     });
   }
 
-  /// Call visit(points, indices) for runs of points that together hold all within radius of a
-  /// query, and others: indices[i] is that of points[i] in the input.
+  /// Call visit(points, indices) for runs of points that include all points within radius of a
+  /// query, and others: indices[i] is the input index of points[i].
   template <class Visit>
   void visit_runs_within(const Eigen::Vector3f& query, float radius, Visit&& visit) const {
     const PointsView sorted = sorted_;
@@ -64,30 +64,28 @@ class VoxelHash {
     });
   }
 
-  /// Which points stand one after the other: their indices in the input. Those that
-  /// visit_runs_within gives lie in it.
+  /// Input indices of the points in sorted order. The runs of visit_runs_within are parts of it.
   std::span<const std::uint32_t> order() const noexcept { return indices_; }
   PointsView ordered_points() const noexcept { return sorted_; }
 
   /// Number of points within radius of a query.
   std::uint32_t count_within(const Eigen::Vector3f& query, float radius) const noexcept;
 
-  /// The nearest point within max_radius, which may be infinite; of equally near ones the one of
-  /// lowest index.
+  /// The nearest point within max_radius, which may be infinite; ties go to the lowest index.
   std::optional<Nearest> nearest(const Eigen::Vector3f& query, float max_radius) const noexcept;
 
  private:
   static constexpr std::uint64_t kNoRow = 0xFFFFFFFFFFFFFFFF;
 
-  struct Row {                          // of voxels with equal y and z
+  struct Row {                          // row of voxels with equal y and z
     std::uint64_t key = kNoRow;         // y + counts[1] * z
-    std::uint32_t first = 0, last = 0;  // its voxels, rising in x
+    std::uint32_t first = 0, last = 0;  // its voxels, ascending in x
   };
 
-  // A query seen from the lattice: lengths in voxels, counted from the lowest.
+  // A query in the lattice's frame: lengths in voxels, relative to the lowest voxel.
   struct Ball {
-    double x, y, z, radius;  // the radius is padded: rounding cannot make it too small
-    std::array<std::int64_t, 3> low, high;  // the occupied box's voxels that it may touch
+    double x, y, z, radius;                 // the radius is padded against rounding errors
+    std::array<std::int64_t, 3> low, high;  // range of occupied voxels that the ball may touch
 
     double squared_gap(std::int64_t row_y, std::int64_t row_z) const noexcept {
       const double gap_y =
@@ -109,7 +107,7 @@ class VoxelHash {
     return (radius * (1 + 1e-6) + 1e-14 * query.cast<double>().lpNorm<1>()) * lattice_.inverse_cell;
   }
 
-  // None if the ball lies outside the occupied box, or means nothing.
+  // Empty if the ball lies outside the occupied box, or is not finite.
   std::optional<Ball> ball(const Eigen::Vector3f& query, float radius) const noexcept;
 
   std::uint64_t slot(std::uint64_t key) const noexcept {
@@ -130,7 +128,7 @@ class VoxelHash {
     return static_cast<std::int64_t>(row.key / rows_in_layer_);
   }
 
-  // Call consider(first, last) for the points of a row's voxels that meet a ball of this radius.
+  // Call consider(first, last) for the points of a row's voxels that touch a ball of this radius.
   template <class Consider>
   void consider_row(const Row& row, const Ball& b, double radius, std::int64_t y, std::int64_t z,
                     Consider&& consider) const {
@@ -150,13 +148,13 @@ class VoxelHash {
                voxel_offsets_[static_cast<std::size_t>(to - voxels)]);
   }
 
-  // Call consider(first, last) for runs of sorted points that together hold all within radius.
+  // Call consider(first, last) for runs of sorted points that include all points within radius.
   template <class Consider>
   void visit_runs(const Eigen::Vector3f& query, float radius, Consider&& consider) const {
     const std::optional<Ball> b = ball(query, radius);
     if (!b) return;
 
-    // A ball that is large beside the voxels meets more rows than there are.
+    // A ball that is large relative to the voxels touches more rows than exist.
     const double num_touched = static_cast<double>(b->high[1] - b->low[1] + 1) *
                                static_cast<double>(b->high[2] - b->low[2] + 1);
     if (num_touched > static_cast<double>(rows_.size())) {
@@ -180,18 +178,18 @@ class VoxelHash {
   VoxelLattice lattice_;
   std::uint64_t rows_in_layer_ = 1;  // counts[1]
   Points sorted_;
-  Column<std::uint32_t> indices_;        // per sorted point: its index in the input
-  Column<std::uint32_t> voxel_x_;        // per voxel, in the order of the points
-  Column<std::uint32_t> voxel_offsets_;  // per voxel (+ 1): its first sorted point
-  Column<Row> rows_;                     // rising by key
-  Column<Row> table_;                    // the rows again: open addressing, at most half full
+  Column<std::uint32_t> indices_;        // input index of each sorted point
+  Column<std::uint32_t> voxel_x_;        // x of each voxel, in the order of the points
+  Column<std::uint32_t> voxel_offsets_;  // first sorted point of each voxel (+ 1)
+  Column<Row> rows_;                     // ascending by key
+  Column<Row> table_;  // hash table of the rows: open addressing, at most half full
   int table_shift_ = 63;
 };
 
 /// Count the neighbors of each query.
 ///
 /// queries  m positions
-/// radius   unit of the points; its sphere is included, and so is a query that is itself a point
+/// radius   unit of the points, included; a query that is itself a point counts as its own neighbor
 /// out      m counts
 /// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
@@ -201,7 +199,7 @@ void count_radius_neighbors(const VoxelHash& grid, PointsView queries, float rad
 ///
 /// offsets  m + 1, the exclusive sums of the counts (see Neighborhoods); offsets[0] need not be 0
 /// indices  the whole column: row i goes to indices[offsets[i] .. offsets[i + 1])
-/// Pre: queries and radius are those that were counted.
+/// Pre: same queries and radius as for the counts.
 /// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radius,
                            std::span<const std::uint32_t> offsets,
