@@ -1,4 +1,4 @@
-/// Delaunay tetrahedra of points in space.
+/// Delaunay tetrahedralization of points in space.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,21 +19,21 @@ struct Tetrahedron {
 };
 
 struct Delaunay {
-  /// Distinct places, as indices of points: the lowest of those that fall into one place.
+  /// Distinct positions, as indices of points: the lowest index of those at one position.
   Column<std::uint32_t> places;
-  /// Fill a box around the points. Corners are indices into `places`; the four from places.size()
-  /// on are far outside.
+  /// Tetrahedra that fill a box around the points. Corners are indices into `places`; the four from
+  /// places.size() on are far outside.
   Column<Tetrahedron> tetrahedra;
-  std::array<Eigen::Vector3d, 4> far_corners;  ///< where those four are
+  std::array<Eigen::Vector3d, 4> far_corners;  ///< positions of those four
 };
 
-/// Find the Delaunay tetrahedra of points: no ball through four corners holds a place.
+/// Compute the Delaunay tetrahedra of points: no sphere through four corners contains a point.
 ///
-/// points  n < 2^31 positions; those that are not finite are left out. They are rounded to a
-///         lattice of 2^20 steps over their largest extent: what coincides there is one place
-/// Nothing depends on the order of the points but the indices; all predicates are exact, so that
-/// grids, planes and spheres need no care. Cost: n log n for scattered points and surfaces, 200
-/// bytes a point. Takes memory.
+/// points  n < 2^31 positions; non-finite ones are omitted. They are rounded to a lattice of 2^20
+///         steps over their largest extent; points that coincide there are one place
+/// Except for the indices, the result does not depend on the order of the points. All predicates
+/// are exact, so grids, planes and spheres need no special care. Cost: n log n for scattered points
+/// and surfaces, 200 bytes per point. Allocates.
 /// Source: Bowyer and Watson, The Computer Journal 1981 (insertion); Amenta, Choi, Rote, SoCG 2003
 /// (order of insertion: random rounds, each along a space-filling curve).
 Delaunay find_delaunay(PointsView points);
