@@ -1,4 +1,4 @@
-/// How a scan errs over more than a few pixels, measured where it saw planes.
+/// Spatially correlated depth noise of a scan, measured on planes.
 #pragma once
 
 #include <span>
@@ -8,22 +8,21 @@
 
 namespace trivet::kernels {
 
-/// Depth from matched windows, phases or patterns errs alike in neighboring pixels: surfaces are
-/// smooth, and wavy. What is left after averaging over windows of pixels, beyond what independent
-/// noise leaves.
+/// Depth errors of sensors that match windows, phases or patterns are correlated between
+/// neighboring pixels: surfaces are smooth, and wavy. These values are the error that remains after
+/// averaging over windows of pixels, beyond the contribution of independent noise.
 struct CorrelatedNoise {
-  float height = 0;     ///< root mean square of windows' means across the surface [scene unit]
-  float slope_rad = 0;  ///< mean angle that windows are tilted by
+  float height = 0;     ///< RMS of the windows' means across the surface [scene unit]
+  float slope_rad = 0;  ///< mean tilt angle of windows
 };
 
-/// Measure patches of `kPatch` x `kPatch` windows that lie on one plane, each after the plane that
-/// fits it best is taken off, and give the median patch. Zero where fewer than `kFewestPatches` lie
-/// on planes.
+/// Measure patches of `kPatch` x `kPatch` windows that lie on one plane, each relative to its
+/// best-fit plane, and return the median patch. Zero if fewer than `kFewestPatches` lie on planes.
 ///
-/// planes  in the camera's frame, as image.plane numbers them
+/// planes  planes in the camera's frame, numbered as in image.plane
 /// window  side of a window [pixel], >= 2
-/// Source: one-way analysis of variance: the component between windows is the variance of their
-/// means less the n-th part of the variance within them.
+/// Source: one-way analysis of variance. The component between windows is the variance of their
+/// means minus the n-th part of the variance within them.
 CorrelatedNoise measure_correlated_noise(const RangeImage& image, std::span<const Plane> planes,
                                          std::size_t window);
 

@@ -1,4 +1,4 @@
-/// The part of an image that an object can be seen in.
+/// Image window of an object.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,19 +25,19 @@ struct PixelWindow {
   bool operator==(const PixelWindow&) const = default;
 };
 
-/// Find the smallest window, but for a pixel, of all pixels whose rays can touch a ball.
+/// Find the smallest window, up to one pixel, of all pixels whose rays can touch a ball.
 ///
 /// camera         pinhole with fx, fy > 0
-/// width, height  of the image [pixel]
-/// center         of the ball in the camera's frame, radius >= 0 in the same unit
+/// width, height  size of the image [pixel]
+/// center         center of the ball in the camera's frame, radius >= 0 in the same unit
 /// A ball behind the camera gives an empty window, one that reaches the plane z = 0 the whole
-/// image. In the plane of the optical axis and the image's x, the ball is a disc at the angle a
-/// that fills a +- asin(radius / distance): its tangents bound every pixel's u. The same holds for
+/// image. In the plane of the optical axis and the image's x, the ball is a disc seen at angle a
+/// that covers a +- asin(radius / distance): its tangents bound every pixel's u. The same holds for
 /// v.
 PixelWindow window_of_ball(const Camera& camera, std::uint32_t width, std::uint32_t height,
                            const Eigen::Vector3d& center, double radius) noexcept;
 
-/// The camera of which the window is the whole image.
+/// The camera whose whole image is the window.
 inline Camera camera_of_window(Camera camera, const PixelWindow& window) noexcept {
   camera.cx -= window.left;
   camera.cy -= window.top;

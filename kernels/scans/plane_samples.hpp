@@ -1,4 +1,4 @@
-/// The pixels of a range image that its planes are searched in.
+/// Sampled pixels of a range image for plane detection.
 #pragma once
 
 #include <vector>
@@ -9,13 +9,13 @@ namespace trivet::kernels {
 
 struct PlaneSamples {
   Points points;             ///< in the camera's frame, file units
-  Normals normals;           ///< of unit length
-  std::vector<float> areas;  ///< of the surface that each stands for, in square file units
+  Normals normals;           ///< unit normals
+  std::vector<float> areas;  ///< area of the surface per sample, in square file units
   float total_area = 0;
 };
 
-/// Take some 6,000 pixels of a grid over the image, those that have a depth and a normal.
-/// Cost: the pixels. Takes memory.
+/// Sample some 6,000 pixels with a depth and a normal on a grid over the image.
+/// Cost: the pixels. Allocates.
 PlaneSamples sample_for_planes(const RangeImage& image);
 
 }  // namespace trivet::kernels

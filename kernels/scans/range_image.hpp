@@ -1,4 +1,4 @@
-/// A scan as a depth image with normals: what verification and refinement look things up in.
+/// A scan as a depth image with normals, for verification and refinement.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,7 +12,7 @@
 
 namespace trivet::kernels {
 
-/// The longest focal length [pixel]: floats tell no finer directions apart.
+/// The longest focal length [pixel]: floats do not resolve finer directions.
 inline constexpr double kLargestFocalLength = 1e7;
 
 /// Pinhole geometry of an image. Camera axes as in OpenCV: x right, y down, z forward.
@@ -21,7 +21,7 @@ struct ImageGeometry {
   float fx = 0, fy = 0, cx = 0, cy = 0;  ///< [pixel]
   std::uint32_t width = 0, height = 0;
 
-  /// Index of the pixel that a point of the camera frame falls on, or -1 outside or behind.
+  /// Index of the pixel that a point of the camera frame projects to, or -1 outside or behind.
   std::int64_t pixel_of(const Eigen::Vector3f& p) const noexcept {
     if (!(p.z() > 0)) return -1;
     const float u = fx * p.x() / p.z() + cx + 0.5F, v = fy * p.y() / p.z() + cy + 0.5F;
@@ -40,38 +40,38 @@ struct ImageGeometry {
 /// Depth and normals per pixel; all columns have width * height values.
 struct RangeImage {
   ImageGeometry geometry;
-  Column<float> depth;         ///< along the optical axis, 0 without a measurement [scene unit]
-  Normals normals;             ///< camera frame, towards the sensor; NaN where unknown
-  Column<std::uint8_t> plane;  ///< number of the dominant plane the pixel lies on, from 1; 0: none
-  Column<std::uint8_t> near_plane;  ///< the same by position alone, whatever the normal: also
-                                    ///< along the line where something stands on it
+  Column<float> depth;  ///< depth along the optical axis, 0 without a measurement [scene unit]
+  Normals normals;      ///< camera frame, towards the sensor; NaN if unknown
+  Column<std::uint8_t> plane;       ///< number of the pixel's dominant plane, from 1; 0: none
+  Column<std::uint8_t> near_plane;  ///< number by position alone, whatever the normal: also along
+                                    ///< the contact line of objects on it
 };
 
-/// Recover the camera of an organized scan whose file does not name it, by least squares on u = fx
-/// x/z + cx. Nothing is returned unless 95 % of the points lie within half a pixel: then the grid
-/// is not a pinhole's. points are in the frame of a sensor at the origin that looks along +z.
+/// Recover the camera of an organized scan whose file does not state it, by least squares on u = fx
+/// x/z + cx. Empty unless 95 % of the points lie within half a pixel: otherwise the grid is not a
+/// pinhole image. points are in the frame of a sensor at the origin that looks along +z.
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 
-/// Choose a virtual camera for scattered points seen from `viewpoint`: it looks at the middle of
-/// the points.
+/// Choose a virtual camera at `viewpoint` for scattered points; its optical axis passes through the
+/// middle of the points.
 ///
-/// pixel_size  what a pixel covers at the middle of the points [scene unit]; 0: as fine as leaves
-///             about two points on each occupied pixel, so that surfaces have few holes (right when
-///             the points are what was seen from there; of a whole surface, points behind one
-///             another share pixels). Points that many others coincide with count once
+/// pixel_size  size of a pixel at the middle of the points [scene unit]. 0: as fine as leaves about
+///             two points on each occupied pixel, so that surfaces have few holes. This is right if
+///             the points were seen from there; on a whole surface, points behind one another share
+///             pixels. Points that many others coincide with count once
 /// Neither side exceeds 2048 pixels. Points more than 75 degrees off the axis fall outside.
-/// Nothing for fewer than 3 points or points all in one place or direction.
+/// Empty for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
                                            float pixel_size = 0);
 
-/// For each pixel the index of the nearest of the points that fall on it (ties to the lowest
-/// index). With normals, points that face away from the camera are left out.
+/// Project points and keep the nearest one of each pixel (ties to the lowest index). With normals,
+/// points that face away from the camera are omitted.
 PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
 
-/// Fill single missing pixels of a depth image between measured neighbors of like depth, in place.
-/// A pixel is filled with the mean of its measured 8-neighbors when there are at least
-/// `min_neighbors` of them, all within `max_step` of each other. Pixels on the image's border stay
-/// as they are. Gives the number filled.
+/// Fill single missing pixels of a depth image between measured neighbors of similar depth, in
+/// place. A pixel becomes the mean of its measured 8-neighbors if there are at least
+/// `min_neighbors` of them, all within `max_step` of each other. Pixels on the image's border are
+/// unchanged. Returns the number of filled pixels.
 std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbors,
                              Column<float>& depth);
 
