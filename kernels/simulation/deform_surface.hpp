@@ -1,4 +1,4 @@
-/// Let a surface deviate smoothly from its model, as printed, cast and scanned objects do.
+/// Smooth deviations of a surface from its model, as of printed, cast and scanned objects.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace trivet::kernels {
 
-/// Displace points by a sum of six plane waves of lengths from 0.4 to 1 diameter, in random
+/// Displace points by a sum of six plane waves with wavelengths from 0.4 to 1 diameter, in random
 /// directions.
 ///
 /// points    n positions, displaced in place [m]
 /// diameter  largest extent of the surface [m], > 0
-/// rms       root of the mean squared displacement over a long way [m], >= 0
-/// seed      another one gives another field; equal points are displaced equally
+/// rms       RMS displacement over a long distance [m], >= 0
+/// seed      selects the displacement field; equal points are displaced equally
 void deform_surface(PointsSpan points, double diameter, double rms, std::uint64_t seed) noexcept;
 
 }  // namespace trivet::kernels

@@ -1,4 +1,4 @@
-/// The next small motion of a body that gravity pulls at.
+/// One small motion of a body under gravity.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,20 +8,20 @@
 
 namespace trivet::kernels {
 
-/// Turn by |turn| about `turn`, then shift, both about the body's center of mass.
+/// Rotation by |turn| about `turn`, then translation, both about the body's center of mass.
 struct Motion {
   Eigen::Vector3d shift{0, 0, 0};  ///< [m]
   Eigen::Vector3d turn{0, 0, 0};   ///< [rad]
 };
 
-/// Find where a body goes that would fall by `fall` if it were free.
+/// Find the motion of a body that would fall by `fall` if it were free.
 ///
-/// contacts  that hold it; gaps >= 0 are closed at most
-/// center    of mass [m]
+/// contacts  contacts that support it; gaps >= 0 are closed at most
+/// center    center of mass [m]
 /// gyration  radius of gyration > 0 [m], the same about every axis
 /// fall      > 0 [m]
-/// friction  coefficient of Coulomb, >= 0: a contact does not slip below that share of its force
-/// Returns the motion; about nothing where the body is at rest. Slow to first order: no momentum.
+/// friction  Coulomb coefficient, >= 0: a contact does not slip below that share of its force
+/// Returns the motion; almost zero if the body is at rest. Quasi-static: no momentum.
 /// Source: Gauss's principle of least constraint for one step of unilateral contacts, solved by
 /// projected Gauss-Seidel (Moreau, "Unilateral contact and dry friction in finite freedom
 /// dynamics", 1988; Jourdan, Alart, Jean, CMAME 1998).

@@ -1,7 +1,7 @@
-/// Mark the points of a cloud that go: thinned out, or behind what occludes them.
+/// Selection of the points of a cloud to drop, by thinning or by an occluder.
 ///
-/// Marks are 1 for points that stay; functions only clear them, so that one may follow another.
-/// keep_points (storage/formats/keep_points.hpp) then takes the points out.
+/// Marks are 1 for points that stay; functions only clear them, so they can be combined.
+/// keep_points (storage/formats/keep_points.hpp) then removes the points.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,8 +13,8 @@
 
 namespace trivet::kernels {
 
-/// Keep each point with the probability `share`, by the seed and its index alone. What a
-/// smaller share keeps, a larger one with the same seed keeps too.
+/// Keep each point with probability `share`, by the seed and its index alone. The points kept for a
+/// smaller share are a subset of those for a larger one with the same seed.
 ///
 /// first   index of keep[0] in the whole cloud: any split into chunks gives the same bits
 /// No allocation or lock.
@@ -29,16 +29,16 @@ struct HalfSpace {
 
 /// Drop the points in a half-space.
 ///
-/// points   n positions; one that is not finite stays
+/// points   n positions; non-finite ones stay
 /// keep     n marks
 /// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 void drop_half_space(PointsView points, const HalfSpace& gone, std::span<std::uint8_t> keep);
 
-/// The half-space that holds a share of the points, those that lie farthest along a direction.
+/// The half-space with the given share of the points, those that lie farthest along a direction.
 ///
 /// points    n finite positions
-/// share     0..1; the half-space holds its floor(share n) points, fewer only where several lie
-///           equally far at its border
+/// share     0..1; the half-space holds floor(share n) points, fewer only if several points tie at
+///           its border
 /// scratch   n numbers
 /// Cost: O(n). No allocation or lock.
 HalfSpace cut_share(PointsView points, const Eigen::Vector3f& direction, double share,

@@ -1,4 +1,4 @@
-/// Smooth random fields over an image: bumps and waves of a given length.
+/// Smooth random fields over an image with a given correlation length.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@ namespace trivet::kernels {
 /// A field of mean 0 and mean square 1 that is smooth over `length_pixel`.
 ///
 /// Independent normal numbers on a lattice of `length_pixel` / 2, interpolated by cubic B-splines:
-/// the autocorrelation falls to a half at half a length and to 0.05 at a length. Depends on
-/// (seed, stream, item) and the pixel alone. Building it allocates; looking does not.
+/// the autocorrelation falls to a half at half a length and to 0.05 at a length. Depends on (seed,
+/// stream, item) and the pixel alone. Construction allocates; evaluation does not.
 class NoiseField {
  public:
   /// length_pixel >= 2

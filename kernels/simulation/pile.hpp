@@ -1,5 +1,4 @@
-/// Bodies that lie on a table or in a bin: where another one that comes down from above first
-/// touches.
+/// Bodies on a table or in a bin, and the first contact of another body that descends from above.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,38 +12,37 @@
 
 namespace trivet::kernels {
 
-/// Where a body touches, or nearly touches, what holds it.
+/// A contact, or near contact, between a body and its support.
 struct Contact {
-  Eigen::Vector3d point, normal;  ///< normal: unit, from what holds to the body
-  double gap = 0;                 ///< along the normal, about, >= 0 [m]
+  Eigen::Vector3d point, normal;  ///< normal: unit vector from the support to the body
+  double gap = 0;                 ///< approximate gap along the normal, >= 0 [m]
 };
 
-/// The ground z = 0, walls about it, and bodies on it as triangles. Whatever is above a body's
-/// upper side is free: no body slips under another.
+/// The ground z = 0, walls around it, and bodies on it as triangles. The space above a body's upper
+/// side counts as free: no body slips under another.
 class Pile {
  public:
-  /// What `land` works with; it only saves taking the memory anew.
+  /// Working memory of `land`; avoids repeated allocation.
   struct Scratch;
 
-  /// half_side  the bodies lie within |x|, |y| <= half_side [m]; what is outside meets the bare
-  ///            ground
-  /// cell       > 0 [m], edge of the grid that triangles are looked up in: changes the time only
+  /// half_side  the bodies lie within |x|, |y| <= half_side [m]; outside is only the bare ground
+  /// cell       > 0 [m], edge of the triangle lookup grid: affects the time only
   /// walls      walls stand at |x| = walls.x and |y| = walls.y [m], of any height; infinite: none
   Pile(double half_side, double cell, const Eigen::Vector2d& walls);
 
-  /// Let a body lie where it is. Cost: O(all triangles of the pile).
+  /// Add a body at its present position. Cost: O(all triangles of the pile).
   void add(PointsView vertices, const Triangles& triangles);
 
-  /// Find how to shift a body so that it stands between the walls and touches the pile from above.
+  /// Find the shift that moves a body between the walls and into contact with the pile from above.
   ///
   /// vertices, triangles  the body; its indices are < vertices.size()
   /// reach                >= 0 [m]
-  /// contacts             out: where the shifted body is within `reach` above the pile or of a
-  ///                      wall, at most a few hundred, spread over it; the touching ones among them
-  /// Returns the shift [m]: horizontal only if a wall asks for it, then vertical. The body touches
-  /// and enters nothing, but for the rounding of its coordinates: the clearance of two surfaces of
-  /// triangles over the plane is least at a corner of one over the other or where two edges cross;
-  /// all of these are looked at, least bound first, until no other can be lower.
+  /// contacts             out: places where the shifted body is within `reach` above the pile or of
+  ///                      a wall, at most a few hundred, spread over it; includes the touching ones
+  /// Returns the shift [m]: horizontal only if a wall requires it, then vertical. The body touches
+  /// but does not penetrate anything, up to rounding of its coordinates. The vertical clearance of
+  /// two triangle surfaces is least at a corner of one over the other or where two edges cross; all
+  /// of these are tested, least bound first, until no other can be lower.
   Eigen::Vector3d land(PointsView vertices, const Triangles& triangles, double reach,
                        Scratch& scratch, std::vector<Contact>& contacts) const;
 
@@ -58,13 +56,13 @@ class Pile {
   template <class Visit>
   void for_cells_under(const Facet& facet, double sign, Visit&& visit) const;
 
-  /// The steps of `land`. low, high: corners of the body's box; shift: of the body, [m].
+  /// Steps of `land`. low, high: corners of the body's box; shift: of the body, [m].
   Eigen::Vector3d between_walls(const Eigen::Vector3d& low, const Eigen::Vector3d& high) const;
   /// Write where the clearance may be below `limit` into scratch.candidates.
   void find_candidates(PointsView vertices, const Triangles& triangles,
                        const Eigen::Vector3d& shift, double limit, Scratch& scratch) const;
-  /// The least clearance among the candidates and `clearance`, that of the ground. Places where it
-  /// is less than `reach` above the least one go into scratch.touches, others among them.
+  /// The least clearance among the candidates and `clearance`, that of the ground. Places less than
+  /// `reach` above the least one are written to scratch.touches, with others.
   double find_clearance(PointsView vertices, const Triangles& triangles,
                         const Eigen::Vector3d& shift, double reach, double clearance,
                         Scratch& scratch) const;
@@ -74,19 +72,19 @@ class Pile {
   std::ptrdiff_t side_;
   double highest_ = 0;
   std::vector<Facet> facets_;
-  std::vector<double> top_;             // side_ * side_: bound from above; below the ground: bare
+  std::vector<double> top_;  // side_ * side_: upper bound of height; below the ground: bare
   std::vector<std::uint32_t> offsets_;  // CSR: the facets over each cell
   std::vector<std::uint32_t> indices_;
 };
 
 struct Pile::Scratch {
   struct Candidate {
-    double bound;  // no lower clearance in this cell
+    double bound;  // lower bound of the clearance in this cell
     std::uint32_t triangle, cell;
   };
   struct Touch {
     Eigen::Vector3d point, normal;
-    double clearance, slant;  // gap: their product
+    double clearance, slant;  // their product is the gap
   };
   std::vector<Candidate> candidates;
   std::vector<Touch> touches;

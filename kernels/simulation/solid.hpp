@@ -14,26 +14,27 @@ namespace trivet::kernels {
 
 /// A signed bound of the distance to a surface, and its gradient.
 struct SolidSample {
-  float distance = 0;                 ///< negative inside
-  Eigen::Vector3f gradient{0, 0, 0};  ///< at most a unit long; one where no blend takes part
+  float distance = 0;                 ///< signed bound; negative inside
+  Eigen::Vector3f gradient{0, 0, 0};  ///< length at most 1; exactly 1 outside of blends
 };
 
-/// A solid in any unit: a function whose sign tells inside from outside and whose value changes no
-/// faster than the distance (Lipschitz bound 1). So |value| is a radius without surface.
+/// A solid in any unit: a function whose sign distinguishes inside from outside and whose value
+/// changes no faster than the distance (Lipschitz bound 1). So |value| is the radius of a ball
+/// without surface.
 ///
-/// Kept as one flat expression in prefix order; copies are independent. Evaluation allocates
-/// nothing. Composition takes minima and maxima: edges stay sharp, symmetries stay exact.
+/// Stored as one flat expression in prefix order; copies are independent. Evaluation does not
+/// allocate. Composition uses minima and maxima: edges stay sharp, symmetries stay exact.
 /// Source: Hart, "Sphere tracing", The Visual Computer 1996 (Lipschitz bounds of set operations).
 class Solid {
  public:
   SolidSample sample(const Eigen::Vector3f& point) const noexcept;
   float distance(const Eigen::Vector3f& point) const noexcept { return sample(point).distance; }
 
-  /// Holds the solid; its sides may be infinite.
+  /// Bounding box of the solid; its sides may be infinite.
   const Eigen::AlignedBox3f& bounds() const noexcept { return bounds_; }
 
-  /// Write the parts that matter within a radius of a point: there `out` has this solid's values,
-  /// faster. Returns the distance at the point. The memory of `out` is used again.
+  /// Write the parts that matter within a radius of a point: there `out` has this solid's values
+  /// and is faster to evaluate. Returns the distance at the point. The memory of `out` is reused.
   float restrict_to(const Eigen::Vector3f& point, float radius, Solid& out) const;
 
   friend Solid operator|(const Solid& a, const Solid& b);
@@ -57,12 +58,12 @@ class Solid {
     complement,
     motion,
     mirror_x,
-    around,  // by one
+    around,  // followed by one operand
     half_space,
     box,
     turned_edge,
     torus,
-    oblong  // by none
+    oblong  // without operands
   };
   struct Node {
     Kind kind = Kind::box;
@@ -89,8 +90,8 @@ Solid operator&(const Solid& a, const Solid& b);
 Solid operator~(const Solid& a);
 inline Solid operator-(const Solid& a, const Solid& b) { return a & ~b; }
 
-/// Union with a fillet of about this radius in the concave corner. Faces of both that lie in one
-/// plane swell there by a quarter of the radius; keep them apart by more than the radius.
+/// Union with a fillet of about this radius in the concave corner. Coplanar faces of both swell
+/// there by a quarter of the radius; keep them apart by more than the radius.
 /// Source: quadratic smooth minimum (Quilez, "Smooth minimum").
 Solid blend(const Solid& a, const Solid& b, float radius);
 
@@ -99,8 +100,8 @@ Solid moved(const Solid& a, const Pose& motion);
 /// The mirror image in the plane x = 0.
 Solid mirrored_x(const Solid& a);
 
-/// Copies of what `a` has at angles 0 to pi / count about the z axis from +x, and of its mirror
-/// image in y, at `count` equal turns: the result has the symmetries of a regular pyramid.
+/// Copies of the part of `a` at angles 0 to pi / count about the z axis from +x, and of its mirror
+/// image in y, at `count` equal rotations: the result has the symmetries of a regular pyramid.
 Solid around_z(const Solid& a, std::uint32_t count);
 
 /// Points p with normal . p <= offset; the normal has unit length.
@@ -109,14 +110,14 @@ Solid half_space(const Eigen::Vector3f& normal, float offset);
 /// A box about the origin; a half side may be infinite.
 Solid box(const Eigen::Vector3f& half_sides);
 
-/// A convex profile turned about the z axis: corners (distance from the axis >= 0, z) in
+/// A convex profile revolved about the z axis: corners (distance from the axis >= 0, z) in
 /// counterclockwise order. Edges on the axis are no border.
 Solid turned(std::span<const Eigen::Vector2f> profile);
 
 /// A ring about the z axis: points within `thickness` of a circle of radius `radius`.
 Solid torus(float radius, float thickness);
 
-/// Endless along z: the hull of a disc of radius r0 at the origin and one of radius r1 at
+/// An infinite prism along z: the hull of a disc of radius r0 at the origin and one of radius r1 at
 /// (length, 0). Pre: length > |r0 - r1|.
 Solid oblong(float r0, float r1, float length);
 
