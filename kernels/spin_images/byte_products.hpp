@@ -1,4 +1,4 @@
-/// Dot products of bytes, where the processor has them (AVX-512 VNNI).
+/// Dot products of bytes, with processor support (AVX-512 VNNI) where available.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace trivet::kernels {
 
-/// Bytes of a code of 60 components, as nearly all are: loops of it are unrolled.
+/// Bytes of a code of 60 components, the most frequent size, for which loops are unrolled.
 inline constexpr std::size_t kUsualStride = 64;
 
 #if defined(__x86_64__)

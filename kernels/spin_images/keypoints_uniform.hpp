@@ -1,4 +1,4 @@
-/// Keypoints spread evenly.
+/// Uniformly distributed keypoints.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,11 @@ struct UniformScratch {
   VoxelScratch grouping;
 };
 
-/// Choose from each voxel the point nearest to the mean of its points; of equally near ones the
-/// first.
+/// Choose from each voxel the point nearest to the mean of its points; ties keep the first.
 ///
-/// points   n positions; those with a non-finite coordinate are left out
+/// points   n positions; those with a non-finite coordinate are omitted
 /// cell     edge of a voxel, > 0
-/// indices  of the keypoints, by voxel, rising in (z, y, x)
+/// indices  indices of the keypoints, by voxel, ascending in (z, y, x)
 /// Source: uniform seeds, Guo et al., IJCV 2013, section 4.
 void find_uniform_keypoints(PointsView points, float cell, Column<std::uint32_t>& indices,
                             UniformScratch& scratch);

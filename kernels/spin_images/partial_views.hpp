@@ -1,4 +1,4 @@
-/// What partial views see of the surface around a keypoint.
+/// Visibility of the surface around a keypoint in partial views.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,44 +13,44 @@
 
 namespace trivet::kernels {
 
-/// Views that see a point, one bit each.
+/// Bitmask of the views that see a point.
 using ViewBits = std::uint64_t;
 inline constexpr std::size_t kMostPartialViews = 64;
 
-/// How many points share the area around each, by view: row v has a count a point, 255 at most, in the
-/// order of the grid that supports are gathered from.
+/// Number of points that share the area around each point, by view. Row v has one count per point,
+/// at most 255, in the order of the grid from which supports are gathered.
 struct Sharers {
-  /// radius  > 0: points this near share an area
+  /// radius  > 0: points within it share an area
   Sharers(std::size_t num_points, float radius);
 
   std::size_t num_points;
   float radius;
   Column<std::uint8_t> counts;  ///< kMostPartialViews rows of num_points
   std::array<float, 256>
-      areas{};  ///< by count, of a disc of the radius; no point that is seen has 0
+      areas{};  ///< area per point by count, for a disc of the radius; no visible point has count 0
 
   std::span<const std::uint8_t> of_view(std::size_t v) const noexcept {
     return std::span(counts).subspan(v * num_points, num_points);
   }
 };
 
-/// Count, for some points of a surface, those within a radius that each view sees: what share_areas
-/// counts where the view's points are all there are.
+/// Count, for some points of a surface, the points within a radius that each view sees: the counts
+/// of share_areas for a cloud of that view's points alone.
 ///
-/// grid    of all points
-/// views   of all points
-/// points  some, those [first, first + points.size()) of the rows of counts
-/// sharers  of all points; those of the points are written
+/// grid    grid of all points
+/// views   views of all points
+/// points  a subset: points [first, first + points.size()) of the rows of counts
+/// sharers  counts of all points; those of the subset are written
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
 void count_sharers(const VoxelHash& grid, std::span<const ViewBits> views, PointsView points,
                    std::size_t first, Sharers& sharers) noexcept;
 
-/// The surface around a keypoint, all of it.
+/// The complete surface around a keypoint.
 struct ViewedSupport {
   Eigen::Vector3f keypoint{0, 0, 0};
-  Column<std::uint32_t> places;  ///< of its points, in the grid's order
+  Column<std::uint32_t> places;  ///< positions of its points in the grid's order
   std::size_t size = 0;
-  /// Which of the points each view sees: words of 64 points, the first view's first.
+  /// Visibility of the points in each view: words of 64 points, the first view's first.
   Column<std::uint64_t> seen;
   std::size_t num_words = 0;
 
@@ -59,29 +59,30 @@ struct ViewedSupport {
   }
 };
 
-/// Gather the points of a grid within `radius` of a keypoint. Grows to what it needs once.
+/// Gather the points of a grid within `radius` of a keypoint. Memory grows once.
 ///
-/// views  of all points, in the grid's order
+/// views  views of all points, in the grid's order
 void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> views,
                            const Eigen::Vector3f& keypoint, float radius, ViewedSupport& support);
 
-/// What one view sees of it, as gather_support gives it for the view's points alone, with the areas
-/// that share_areas gives them.
+/// The visible part of the support in one view: the result of gather_support for that view's points
+/// alone, with the areas of share_areas.
 void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
                const Sharers& sharers, Support& support);
 
-/// Which views see nearly the same of a support.
+/// Similarity of the visible parts of a support between views.
 struct LikeViews {
-  std::array<ViewBits, kMostPartialViews> alike{};       ///< of each view, itself among them
-  std::array<std::uint32_t, kMostPartialViews> sizes{};  ///< points that each sees
+  std::array<ViewBits, kMostPartialViews> alike{};       ///< similar views of each view, including
+                                                         ///< itself
+  std::array<std::uint32_t, kMostPartialViews> sizes{};  ///< number of points visible in each view
 };
 
-/// Compare views of a support: two are alike where the points that only one of them sees are at most
-/// `share` of what they see on average. Only `wanted` views are compared and written.
+/// Compare views of a support. Two are alike if the points visible in only one of them are at most
+/// `share` of their average number of visible points. Only `wanted` views are compared and written.
 void compare_views(const ViewedSupport& all, ViewBits wanted, float share,
                    LikeViews& views) noexcept;
 
-/// Of some views, the one that most others of them are like; the first of several. Pre: left != 0.
+/// The view among `left` that is like most others of them; the first of several. Pre: left != 0.
 std::size_t most_typical(const LikeViews& views, ViewBits left) noexcept;
 
 }  // namespace trivet::kernels

@@ -1,4 +1,4 @@
-/// Rotations in eight bytes.
+/// Compression of rotations to eight bytes.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,8 +7,8 @@
 
 namespace trivet::kernels {
 
-/// The code of a rotation, and the rotation of a code: it differs from the one encoded by less than
-/// 1e-4 rad. Of the codes of a rotation and its negative quaternion that with w > 0 is given.
+/// Encode and decode a rotation; the decoded rotation differs by less than 1e-4 rad. Of the two
+/// quaternions of a rotation, the one with w > 0 is encoded.
 ///
 /// turn  a rotation matrix
 RotationCode encode_rotation(const Eigen::Matrix3f& turn) noexcept;

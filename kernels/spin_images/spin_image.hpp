@@ -10,30 +10,30 @@
 
 namespace trivet::kernels {
 
-inline constexpr std::size_t kSpinBins = 15;  ///< along either side of an image
+inline constexpr std::size_t kSpinBins = 15;  ///< bins along either side of an image
 inline constexpr std::size_t kSpinImageSize = kSpinBins * kSpinBins;
 
 /// Working memory of spin_image.
 struct SpinScratch {
-  Column<float> weights;  // four a point: of its bin, the next along, and both one row on
+  Column<float> weights;  // four per point: for its bin, the next along, and both one row on
   Column<std::int32_t> bins;
 };
 
-/// Spread the area of each point of a support over the four bins around it: row i stands for the
-/// height beta = radius (1 - 2 i / 14) along the axis, column j for the distance alpha =
-/// radius j / 14 from it.
+/// Spread the area of each point of a support over the four bins around it. Row i stands for the
+/// height beta = radius (1 - 2 i / 14) along the axis, column j for the distance alpha = radius j /
+/// 14 from it.
 ///
 /// axis    unit vector through the keypoint
-/// radius  > 0, that of the support
+/// radius  > 0, radius of the support
 /// image   kSpinImageSize numbers, row by row; their sum is the support's area
 /// No lock or throw; the scratch grows once. Same bits on any processor.
-/// Source: Johnson and Hebert, PAMI 1999; bins of Guo et al., GRAPP 2013, 2 radius / 14 by
-/// radius / 14.
+/// Source: Johnson and Hebert, PAMI 1999; bins of Guo et al., GRAPP 2013, 2 radius / 14 by radius /
+/// 14.
 void spin_image(const Support& support, const Eigen::Vector3f& axis, float radius,
                 std::span<float, kSpinImageSize> image, SpinScratch& scratch);
 
-/// Scale images to a sum of 1 and take square roots: Euclidean distances between such images are
-/// Hellinger's, and no sampling density counts. An image without area stays 0.
+/// Scale images to a sum of 1 and take square roots. Euclidean distances between such images are
+/// Hellinger distances, and the sampling density cancels. An image without area stays 0.
 /// Source: Arandjelovic and Zisserman, CVPR 2012 (square roots of histograms).
 void normalize_spin_image(std::span<float, kSpinImageSize> image) noexcept;
 

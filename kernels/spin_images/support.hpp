@@ -1,4 +1,4 @@
-/// The surface around a keypoint.
+/// Support of a keypoint: the surface around it.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,32 +10,32 @@
 
 namespace trivet::kernels {
 
-/// Points within a radius of a keypoint, relative to it. The columns are longer than that: they are
-/// filled with points of no area at the keypoint to a multiple of kLanes.
+/// Points within a radius of a keypoint, relative to it. The columns are padded to a multiple of
+/// kLanes with points of no area at the keypoint.
 struct Support {
   static constexpr std::size_t kLanes = 16;
 
-  Column<float> x, y, z;  ///< position less the keypoint's
-  Column<float> area;     ///< of the surface that each point stands for, >= 0
-  std::size_t size = 0;   ///< without the filling
+  Column<float> x, y, z;  ///< position relative to the keypoint
+  Column<float> area;     ///< area of the surface that each point represents, >= 0
+  std::size_t size = 0;   ///< number of points without the padding
 };
 
 /// Gather the points of a grid within `radius` of a keypoint, in the grid's order.
 ///
-/// areas    one a point of the cloud that the grid was built from; empty: each point stands for 1
-/// support  grows to what it needs once; later calls allocate nothing
+/// areas    one per point of the cloud that the grid was built from; empty: area 1 each
+/// support  grows once to the needed size; later calls allocate nothing
 void gather_support(const VoxelHash& grid, std::span<const float> areas,
                     const Eigen::Vector3f& keypoint, float radius, Support& support);
 
-/// Write the area that each point stands for where points lie closer here and wider there: that of
-/// a disc, shared by the points in the ball around it.
+/// Compute the area that each point represents under varying density: that of a disc, shared by the
+/// points in the ball around it.
 ///
-/// grid    of the points
-/// points  n positions, in their order before the grid's; one that is not finite has no area
-/// radius  > 0; some 2.5 times the distance of neighbors: a smaller one follows chance
+/// grid    grid of the points
+/// points  n positions, in their order before the grid's; non-finite ones have no area
+/// radius  > 0; some 2.5 times the distance of neighbors: a smaller one depends on chance
 /// areas   n
-/// Grids of voxels hold more points where a surface stands across their axes; unless that is
-/// weighed out, moments of the surface turn with the grid.
+/// Voxel grids hold more points where a surface is oblique to their axes. Without these weights,
+/// moments of the surface would turn with the grid.
 /// No allocation, lock or throw. Rows are independent: any split into chunks gives the same bits.
 /// Source: inverse local density, Frome et al., ECCV 2004 (3-D shape contexts).
 void share_areas(const VoxelHash& grid, PointsView points, float radius,
