@@ -1,4 +1,4 @@
-/// How large a model is.
+/// Diameter of a model.
 #pragma once
 
 #include "storage/data/points.hpp"
@@ -9,11 +9,11 @@ namespace trivet::kernels {
 ///
 /// points  n finite positions [m]
 /// Returns the distance [m], exact to one part in 10^6; 0 for fewer than two points.
-/// Cost: n log n for usual shapes, for a sphere too; 10^6 points take well under a second. Takes
-/// memory once, for a copy of the points that may be an end of the diameter.
-/// Method: two-tree branch and bound. A pair of cells is dropped when its bound, from the cells'
-/// radii and cones of directions about a common center, is not above the best distance found; about
-/// a center that bound stays tight for spheres, where one from boxes does not.
+/// Cost: n log n for usual shapes, for a sphere too; 10^6 points take well under a second.
+/// Allocates once, for a copy of the points that may be an end of the diameter.
+/// Method: two-tree branch and bound. A pair of cells is dropped if its bound does not exceed the
+/// best distance found. The bound uses the cells' radii and cones of directions about a common
+/// center, which keeps it tight for spheres, unlike a bound from boxes.
 float find_diameter(PointsView points);
 
 }  // namespace trivet::kernels

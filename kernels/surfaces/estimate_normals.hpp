@@ -1,4 +1,4 @@
-/// Normals of a surface that is given as points with neighborhoods.
+/// Normals of points with given neighborhoods.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,26 +9,24 @@
 
 namespace trivet::kernels {
 
-/// Fit a plane to each neighborhood and write its unit normal and how far the points stray from
-/// it.
+/// Fit a plane to each neighborhood and write its unit normal and the residual.
 ///
 /// points     n finite positions
-/// neighbors  m rows of indices < n; a row holds the point itself if it is to count
+/// neighbors  m rows of indices < n; a row includes the point itself if it is to count
 /// normals    m unit vectors of arbitrary sign (see orient_normals); NaN for a row of fewer than 3
-///            points, or of points on a line
-/// residuals  m root mean square distances to the plane, unit of the points, NaN where the normal
-///            is; or empty if not wanted
+///            points, or of collinear points
+/// residuals  m RMS distances to the plane, unit of the points, NaN where the normal is; or empty
 /// Pre: normals.size() == neighbors.size(). Outputs must not alias points.
 /// No allocation or lock. Rows are independent: any split into chunks gives the same bits.
 /// Source: Hoppe et al., SIGGRAPH 1992, tangent plane estimation; about the mean, not the query.
 void estimate_normals(PointsView points, NeighborhoodsView neighbors, NormalsSpan normals,
                       std::span<float> residuals = {});
 
-/// Turn normals to the side of their surface that a sensor sees.
+/// Orient normals towards the sensor.
 ///
 /// points     n positions
-/// viewpoint  where the sensor stood, same frame and unit
-/// normals    n unit vectors, turned in place where normal . (viewpoint - point) < 0
+/// viewpoint  position of the sensor, same frame and unit
+/// normals    n unit vectors, flipped in place if normal . (viewpoint - point) < 0
 void orient_normals(PointsView points, const Eigen::Vector3f& viewpoint, NormalsSpan normals);
 
 }  // namespace trivet::kernels

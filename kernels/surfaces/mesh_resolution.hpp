@@ -1,4 +1,4 @@
-/// How far apart the points of a mesh or a cloud lie: the unit in which the literature gives noise.
+/// Mean point distance of a mesh or a cloud: the unit in which the literature states noise.
 #pragma once
 
 #include "storage/common/result.hpp"
@@ -11,7 +11,7 @@ namespace trivet::kernels {
 ///
 /// vertices    positions
 /// triangles   indices < vertices.size()
-/// Cost: n log n. Takes memory once, for the list of the edges.
+/// Cost: n log n. Allocates once, for the list of the edges.
 /// Source: the mesh resolution of Guo et al., IJCV 2013.
 double mean_edge_length(PointsView vertices, const Triangles& triangles);
 

@@ -1,4 +1,4 @@
-/// What a model's surface is looked at by.
+/// Surface samples of a model.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,12 +8,12 @@
 
 namespace trivet::kernels {
 
-/// The surface samples of a model, in an order of which every prefix covers the surface evenly.
+/// Surface samples of a model, ordered so that every prefix covers the surface evenly.
 struct ModelSamples {
   PointsView points;
   NormalsView normals;
   std::span<const ViewMask> views;
-  float spacing = 0;  ///< between neighboring samples
+  float spacing = 0;  ///< distance between neighboring samples
   float diameter = 0;
   Eigen::Vector3f center{0, 0, 0};
 };

@@ -1,4 +1,4 @@
-/// Which sides of its triangles a surface turns towards a place.
+/// Front-facing and back-facing parts of a surface seen from a point.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 
 namespace trivet::kernels {
 
-/// Solid angles that triangles take up as seen from a place, each for itself, whatever hides it
-/// [sr]. Of a surface seen from there one is 0; of a closed one around which nothing is both are
-/// equal; from within a closed one they differ by 4 pi.
+/// Solid angles of triangles seen from a point, each summed without occlusion [sr]. For a one-sided
+/// surface, one sum is 0. From outside a closed surface both sums are equal; from inside they
+/// differ by 4 pi.
 struct SolidAngles {
-  double front = 0;  ///< of those that are counter-clockwise as seen from there
-  double back = 0;   ///< of the others
+  double front = 0;  ///< sum for triangles that are counter-clockwise from there
+  double back = 0;   ///< sum for the others
 };
 
-/// Add up the solid angles of the triangles first .. first + count.
+/// Sum the solid angles of the triangles first .. first + count.
 ///
 /// vertices  n positions, in the unit and frame of `eye`; every index of the triangles is < n
-/// A triangle that the eye lies in counts for nothing. No allocation.
+/// A triangle that contains the eye is ignored. No allocation.
 /// Source: van Oosterom and Strackee, "The solid angle of a plane triangle", IEEE Trans. Biomed.
 /// Eng. 30, 1983, eq. 8.
 SolidAngles sum_solid_angles(PointsView vertices, const Triangles& triangles,

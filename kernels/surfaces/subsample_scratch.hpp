@@ -1,4 +1,4 @@
-/// Working memory of the subsamplers, kept between calls so that they need not allocate.
+/// Working memory of the subsamplers, reused to avoid allocation.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace trivet::kernels {
 
-/// Points of one voxel whose normals agree with that of the first.
+/// Points of one voxel whose normals agree with that of the first point.
 struct OrientedGroup {
   Eigen::Matrix<float, 3, 1, Eigen::DontAlign> seed;  ///< normal of the first point
   std::uint32_t num_points = 0;
@@ -18,11 +18,11 @@ struct OrientedGroup {
 struct SubsampleScratch {
   Voxels voxels;
   VoxelScratch grouping;
-  Column<float> flat_z;          ///< 0 for each point, NaN where its z is not finite
-  Column<OrientedGroup> groups;  ///< of one voxel
+  Column<float> flat_z;          ///< 0 for each point, NaN if its z is not finite
+  Column<OrientedGroup> groups;  ///< groups of one voxel
 };
 
-/// The points seen from above: z becomes 0, and stays NaN where it is not finite.
+/// The points projected to z = 0; z stays NaN where it is not finite.
 inline PointsView flatten(PointsView points, SubsampleScratch& scratch) {
   scratch.flat_z.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) scratch.flat_z[i] = points.z[i] - points.z[i];
