@@ -1,4 +1,4 @@
-/// Where another shape lies when it looks like this one.
+/// Alignment of similar shapes.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,42 +10,43 @@
 
 namespace trivet::kernels {
 
-/// How the samples of a surface are spread about their mean.
+/// Principal axes and spread of the samples of a surface about their mean.
 struct ShapeFrame {
   Eigen::Vector3f center{0, 0, 0};
   Eigen::Matrix3f axes = Eigen::Matrix3f::Identity();  ///< columns: principal axes, right-handed
-  Eigen::Vector3f deviations{0, 0, 0};  ///< standard deviations along them, rising [samples' unit]
+  Eigen::Vector3f deviations{0, 0, 0};  ///< standard deviations along the axes, ascending [samples'
+                                        ///< unit]
 };
 
-/// samples  n >= 1, about uniform over the surface. Moves with them.
+/// samples  n >= 1, roughly uniform over the surface. The frame moves with them.
 ShapeFrame shape_frame(PointsView samples);
 
-/// Brings other shapes to lie where one shape lies.
+/// Aligns other shapes with one shape.
 class ShapeAligner {
  public:
   struct Alignment {
     Pose T_this_other;
-    float distance;  ///< mean distance of the other's samples from this surface [diameters]
+    float distance;  ///< mean distance of the other shape's samples from this surface [diameters]
   };
-  static constexpr float kMaxDistance = 0.03F;  ///< of what looks alike [diameters]
+  static constexpr float kMaxDistance = 0.03F;  ///< largest distance of similar shapes [diameters]
 
   /// points    n >= 1 samples of the surface, in random order [m]
-  /// normals   n unit vectors; samples whose normal is NaN are left out
-  /// frame     of the samples
+  /// normals   n unit vectors; samples with a NaN normal are omitted
+  /// frame     shape frame of the samples
   /// diameter  > 0 [m]
   ShapeAligner(PointsView points, NormalsView normals, const ShapeFrame& frame, float diameter);
 
-  /// Up to two rotations under which the other shape comes nearest, the second one only if it is
-  /// nearly as near; none if it comes nowhere within kMaxDistance. Centers are laid on one another.
+  /// Up to two rotations that bring the other shape nearest, the second one only if it is nearly as
+  /// near; none if no rotation is within kMaxDistance. The centers coincide.
   ///
   /// points  samples of the other surface, in random order
-  /// Principal axes are laid on those of like deviations, either way round; about an axis across
-  /// which the shape is spread evenly, as that of a nut, turns by 15 degrees are tried: a search
-  /// that refines poses reaches what lies between.
+  /// Principal axes are aligned with those of similar deviations, in both directions. About an axis
+  /// across which the shape is spread evenly, as that of a nut, rotations by steps of 15 degrees
+  /// are tried: a search that refines poses reaches those between.
   std::vector<Alignment> align(PointsView points, const ShapeFrame& frame) const;
 
  private:
-  /// Those of the other shape's principal frame into that of this one.
+  /// Candidate rotations from the other shape's principal frame to that of this one.
   std::vector<Eigen::Matrix3f> likely_rotations(const ShapeFrame& other) const;
 
   ShapeFrame frame_;

@@ -1,9 +1,9 @@
-/// Angles that the search for symmetries turns by.
+/// Rotation angles of the symmetry search.
 #pragma once
 
 namespace trivet::kernels {
 
-/// pi (3 - sqrt 5) [rad]: its multiples fall on no regular polygon.
+/// pi (3 - sqrt 5) [rad]: its multiples do not coincide with any regular polygon.
 inline constexpr float kGoldenAngle = 2.3999632F;
 
 }  // namespace trivet::kernels

@@ -1,4 +1,4 @@
-/// How far a motion takes a surface off itself.
+/// Deviation of a transformed surface from itself.
 #pragma once
 
 #include <span>
@@ -8,11 +8,11 @@
 
 namespace trivet::kernels {
 
-/// Write how far each sample, moved, lies from the surface: along the normals, plus what the way along
-/// the surface exceeds `spacing` by. Only what faces the same way counts as the surface, within 60
-/// degrees, unless nothing does.
+/// Compute the distance of each transformed sample from the surface: along the normals, plus the
+/// part of the distance along the surface that exceeds `spacing`. Only samples that face the same
+/// way, within 60 degrees, count as the surface, unless there are none.
 ///
-/// samples, normals  n >= 1, about uniform over the surface; unit vectors
+/// samples, normals  n >= 1, roughly uniform over the surface; unit vectors
 /// spacing           mean distance of neighboring samples, in their unit
 /// out               n distances, in their unit
 /// Pre: out.size() == samples.size(). No allocation. Each row is independent. Cost: n^2.

@@ -1,4 +1,4 @@
-/// Turns about a line.
+/// Rotations about an axis.
 #pragma once
 
 #include <span>
@@ -8,14 +8,14 @@
 
 namespace trivet::kernels {
 
-/// Turn by `angle` about the axis [rad].
+/// Rotation by `angle` [rad] about the axis.
 Pose turn_about(const Symmetry::Axis& axis, float angle) noexcept;
 
-/// The line that a motion turns about; its shift along the line is left out. Pre: it turns.
+/// The rotation axis of a transform; its shift along the axis is ignored. Pre: it rotates.
 Symmetry::Axis axis_of(const Pose& motion) noexcept;
 
-/// The axis that turns about it see after refinement on the surface: their mean. All is in the
-/// surface's own frame.
+/// Refine an axis: rotations about it are refined on the surface, and their axes averaged. All is
+/// in the surface's normalized frame.
 Symmetry::Axis refine_axis(const SampledSurface& surface, const Symmetry::Axis& axis,
                            std::span<const float> angles) noexcept;
 

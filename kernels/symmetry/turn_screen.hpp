@@ -1,4 +1,4 @@
-/// Which turns might map a surface onto itself: a fast look at all axes.
+/// Fast screening of all axes for rotations that may map a surface onto itself.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,35 +8,35 @@
 
 namespace trivet::kernels {
 
-/// Rates turns about axes through the centroid on a coarse field of distances from the surface.
+/// Rates rotations about axes through the centroid on a coarse field of distances from the surface.
 class TurnScreen {
  public:
   struct Candidate {
-    Eigen::Vector3f direction;  ///< unit
-    int order;                  ///< prime; the turn is by 2 pi / order
-    float score;                ///< mean distance of the turned samples [diameters], capped
+    Eigen::Vector3f direction;  ///< unit vector
+    int order;                  ///< prime; the rotation angle is 2 pi / order
+    float score;                ///< mean distance of the rotated samples [diameters], capped
   };
 
   explicit TurnScreen(const SampledSurface& surface);
 
-  /// Turns that may be symmetries, higher orders first, then by rising score.
+  /// Rotations that may be symmetries, higher orders first, then by ascending score.
   std::vector<Candidate> candidates() const;
 
-  /// Mean distance of moved samples from the surface [diameters], each capped at 0.06; where it
-  /// exceeds `limit`, some number above that, found early. The motion is one of the surface's own
-  /// frame.
+  /// Mean distance of transformed samples from the surface [diameters], each capped at 0.06. Stops
+  /// early if it exceeds `limit`, and returns some larger number. The transform is in the surface's
+  /// normalized frame.
   float score(const Pose& motion, float limit) const noexcept;
-  /// The same of other points, in the surface's own frame [diameters].
+  /// As above, for other points in the surface's normalized frame [diameters].
   float score(PointsView points, const Pose& motion, float limit) const noexcept;
   /// Columns: the principal axes of inertia, the longest extent last.
   Eigen::Matrix3f principal_axes() const;
 
  private:
   static constexpr int kSize = 48;      // voxels along a side of the field
-  static constexpr float kCap = 0.06F;  // larger distances count as this
+  static constexpr float kCap = 0.06F;  // cap of distances
 
   PointsView points_;
-  Points scored_;             // some of them, spread over all
+  Points scored_;             // a subset, spread over all samples
   float scale_;               // voxels per diameter
   std::vector<float> field_;  // distance from the surface at voxel centers
   Eigen::Matrix3f inertia_;   // second moments of the samples
