@@ -1,5 +1,4 @@
-/// Adapt a score to scans of one kind, from a few poses of which it is known whether they are
-/// right.
+/// Adaptation of a score to scans of one kind, from a few poses with known correctness.
 #pragma once
 
 #include <array>
@@ -10,12 +9,13 @@
 
 namespace trivet::kernels {
 
-/// What an adapted score does differently. Each part costs a pose what it lacks of the most
-/// evidence that it can give; an adaptation weighs these costs anew and shifts all log odds. A pose
-/// that lacks nothing keeps its score but for the shift.
+/// Changes of an adapted score. The cost of a part is the difference between the most evidence that
+/// it can give and the evidence that it gives. An adaptation reweights these costs and shifts all
+/// log odds. A pose without costs keeps its score up to the shift.
 struct ScoreAdaptation {
-  float shift = 0;                             ///< of the log odds
-  std::array<float, kNumScoreParts> weights =  ///< of the costs, 0..kMaxCostWeight; 1 as before
+  float shift = 0;                             ///< shift of the log odds
+  std::array<float, kNumScoreParts> weights =  ///< weights of the costs, 0..kMaxCostWeight; 1:
+                                               ///< unchanged
       [] {
         std::array<float, kNumScoreParts> ones{};
         ones.fill(1);
@@ -26,30 +26,30 @@ struct ScoreAdaptation {
 
 inline constexpr float kMaxCostWeight = 3;
 
-/// The most by which an adaptation from marked poses raises the log odds of any pose: its odds grow
-/// no more than tenfold, whatever was marked. What had less than 0.09 stays below 0.5, and what had
-/// less than 0.28 below 0.8.
+/// Largest increase of the log odds of any pose by an adaptation from marked poses: the odds grow
+/// at most tenfold, whatever was marked. Poses below 0.09 stay below 0.5, and those below 0.28 stay
+/// below 0.8.
 inline constexpr float kMaxRaise = 2.3025851F;
 
-/// The most that a part can add to the log odds where errors are independent [0], shared [1].
+/// Largest contribution of a part to the log odds for independent errors [0] and shared errors [1].
 std::array<float, 2> most_evidence(const ScoreModel& model, std::size_t part) noexcept;
 
-/// The model that scores as adapted. As additive and as monotone as before.
+/// The adapted score model. As additive and as monotone as the original.
 ScoreModel adapted_score(const ScoreModel& model, const ScoreAdaptation& adaptation) noexcept;
 
-/// By how much an adaptation raises the log odds of a pose at the very most, over all poses that
-/// there could be; not negative.
+/// Upper bound, over all possible poses, of the increase of the log odds by an adaptation; not
+/// negative.
 float largest_raise(const ScoreModel& model, const ScoreAdaptation& adaptation) noexcept;
 
-/// So much of the way from no adaptation to this one, 0..1.
+/// Interpolation between no adaptation (share 0) and this one (share 1).
 ScoreAdaptation part_of_the_way(const ScoreAdaptation& adaptation, float share) noexcept;
 
-/// Fit an adaptation: the most probable one under a Gaussian prior around none, with a standard
-/// deviation of 0.5 for the shift and 0.7 for each weight, among those that raise no pose by more
-/// than kMaxRaise. Without rows it is none.
+/// Fit an adaptation: the most probable one under a Gaussian prior centered at no adaptation, with
+/// a standard deviation of 0.5 for the shift and 0.7 for each weight, among those that raise no
+/// pose by more than kMaxRaise. Without rows there is no change.
 ///
 /// parts  n, all finite
-/// right  n; 1 where the pose is right, else 0
+/// right  n; 1 if the pose is right, else 0
 /// The same bits for any order of the rows. Source: Zhang and Oles, Information Retrieval 2001
 /// (coordinate descent with trust regions, under a Gaussian prior).
 ScoreAdaptation fit_adaptation(const ScoreModel& model, std::span<const ScoreParts> parts,

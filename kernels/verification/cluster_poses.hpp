@@ -1,4 +1,4 @@
-/// Group pose hypotheses that say the same thing.
+/// Clustering of pose hypotheses.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,8 +12,9 @@
 namespace trivet::kernels {
 
 struct ClusterOptions {
-  float max_translation = 0;       ///< between the images of the model's center [scene unit], > 0
-  float max_rotation_rad = 0;      ///< > 0
+  float max_translation = 0;   ///< limit on the distance between the images of the model's center
+                               ///< [scene unit], > 0
+  float max_rotation_rad = 0;  ///< limit on the angle between rotations, > 0
   std::size_t max_clusters = 600;  ///< the strongest are kept
 };
 
@@ -23,8 +24,9 @@ struct ClusterOptions {
 ///
 /// hypotheses   any order; ties in votes are broken by position
 /// Distances are modulo the model's symmetry. A cluster's pose is the mean weighted by votes, of
-/// members taken to the branch of the strongest; its votes are the sum. Returns clusters by falling
-/// votes. Cost: linear in hypotheses times those in neighboring cells of a grid over the centers.
+/// members moved to the symmetric branch of the strongest; its votes are the sum. Returns clusters
+/// by descending votes. Cost: linear in hypotheses times those in neighboring cells of a grid over
+/// the centers.
 std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
                                       const Symmetry& symmetry, const Eigen::Vector3f& model_center,
                                       const ClusterOptions& options);

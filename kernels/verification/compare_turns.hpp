@@ -1,4 +1,5 @@
-/// Find the turn about an axis that explains the scan best, of a model that looks alike under any.
+/// Search for the rotation about an axis that explains the scan best, for a model that looks alike
+/// under any such rotation.
 #pragma once
 
 #include <span>
@@ -8,29 +9,29 @@
 
 namespace trivet::kernels {
 
-/// Turns about an axis of the model, as the scan sees them.
+/// Rotations about an axis of the model, compared with the scan.
 struct TurnComparison {
-  /// The mean of the turns that the scan cannot tell from the one that explains it best, weighted
-  /// by their likelihoods [rad]: what errs least.
+  /// Mean of the rotations that the scan cannot distinguish from the one that explains it best,
+  /// weighted by their likelihoods [rad]: the estimate with the least error.
   float best = 0;
-  /// These turns lie between, and explain the scan a tenth as well or better [rad]; apart by a
-  /// whole period if all turns do.
+  /// Range of these rotations, which explain the scan a tenth as well or better [rad]; a whole
+  /// period apart if all rotations do.
   float low = 0, high = 0;
-  float share = 1;            ///< of the likelihood of all turns, what lies near it, 0..1
-  std::vector<float> others;  ///< turns not near it nor each other that explain the scan a tenth as
-                              ///< well or better, likeliest first [rad]
+  float share = 1;            ///< share of the total likelihood near the best rotation, 0..1
+  std::vector<float> others;  ///< rotations not near it nor each other that explain the scan a
+                              ///< tenth as well or better, likeliest first [rad]
 };
 
-/// The turns to compare.
+/// Rotations to compare.
 struct TurnRange {
-  const Symmetry::Axis& axis;  ///< of the model
-  /// Turns by multiples of it place the model alike [rad], > 0; 2 pi without symmetry.
+  const Symmetry::Axis& axis;  ///< axis of the model
+  /// Rotations by multiples of it place the model alike [rad], > 0; 2 pi without symmetry.
   float period;
-  float near;  ///< half the width of what counts as one turn [rad]
+  float near;  ///< half-width within which rotations count as one [rad]
 };
 
-/// Compare the turns T_scene_model * turn_about(axis, angle) with T_scene_model by compare_poses, 4
-/// degrees apart, and closer to the best one until half a degree.
+/// Compare the rotations T_scene_model * turn_about(axis, angle) with T_scene_model by
+/// compare_poses, at steps of 4 degrees, refined around the best one to half a degree.
 ///
 /// The other arguments are those of compare_poses. Deterministic.
 TurnComparison compare_turns(std::span<const RangeImage> images, const PosedModel& model,

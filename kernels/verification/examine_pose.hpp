@@ -1,4 +1,4 @@
-/// Hold a posed model against what the sensor saw, ray by ray: the full test of a hypothesis.
+/// Comparison of a posed model with the scan, ray by ray: the full test of a hypothesis.
 #pragma once
 
 #include <array>
@@ -16,47 +16,49 @@
 
 namespace trivet::kernels {
 
-/// What the rays that meet a posed model tell, over all images. Counts are of pixels: where fewer
-/// rays are shot than there are pixels, each stands for its square of them.
+/// Statistics of the rays that hit a posed model, over all images. Counts are in pixels: if fewer
+/// rays are cast than there are pixels, each represents its square of them.
 struct Examination {
-  float covered = 0;     ///< the model projects here, inside the images
-  float outside = 0;     ///< ... beyond their borders
-  float consistent = 0;  ///< measured where the model says
-  float violation = 0;  ///< the sensor looked through the model, or it cuts into a background plane
-  float occluded = 0;   ///< something nearer hides the model
-  float sunk = 0;       ///< ... by so little that it may be what the model is taken for
-  float unknown = 0;    ///< no measurement
+  float covered = 0;     ///< projection of the model inside the images
+  float outside = 0;     ///< projection beyond their borders
+  float consistent = 0;  ///< measured depth agrees with the model
+  float violation = 0;   ///< the sensor saw through the model, or it cuts into a background plane
+  float occluded = 0;    ///< something nearer hides the model
+  float sunk = 0;        ///< occluded by so little that the occluder may be mistaken for the model
+  float unknown = 0;     ///< no measurement
   float background = 0;  ///< agrees only with a background plane
 
-  float outline = 0;           ///< where the model ends, inside the images
+  float outline = 0;           ///< ends of the model inside the images
   float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
-  float outline_touching = 0;  ///< ... beyond which something else touches: the scene has a crease
-  float outline_crossed = 0;   ///< ... beyond which the scene runs on smoothly at the model's depth
-  /// Edge between seen and hidden parts over which the scene runs on smoothly: nothing lies on the
-  /// model, it is buried in what is seen.
+  float outline_touching = 0;  ///< outline with something else in contact beyond it: the scene has
+                               ///< a crease
+  float outline_crossed = 0;   ///< outline over which the scene continues smoothly at the model's
+                               ///< depth
+  /// Edge between visible and hidden parts over which the scene continues smoothly: nothing lies on
+  /// the model, it is buried in the visible surface.
   float buried = 0;
 
-  float mean_square = 0;  ///< of the consistent pixels: mean of (r / tolerance)^2, 0..1
-  // Of the consistent pixels, less what the correlated noise of the scan makes of them; 0 without
-  // any.
-  float residual = 0;  ///< mean_square
-  float smooth = 0;    ///< the same of residuals that were averaged over their window
+  float mean_square = 0;  ///< mean of (r / tolerance)^2 over the consistent pixels, 0..1
+  // For the consistent pixels, minus the effect of the scan's correlated noise; 0 without any.
+  float residual = 0;  ///< mean_square minus the effect of correlated noise
+  float smooth = 0;    ///< mean square of residuals averaged over their window
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
-  float area = 0;      ///< of the model's surface that is seen [squared diameters]
+  float area = 0;      ///< visible area of the model's surface [squared diameters]
   float relief = 0;    ///< standard deviation of that surface from a plane [tolerances]
-  /// How well what is seen holds the pose: the smallest eigenvalue of the mean of J J^T over the
-  /// surface, J = (arm x n, n), arms in half diameters, and a quarter of the same over the outline,
-  /// whose n points across it, square to the ray. There only places count up to which the model was
-  /// seen and beyond which something farther was. A turn about the symmetry axis is not asked for.
+  /// How well the visible surface determines the pose: the smallest eigenvalue of the mean of J J^T
+  /// over the surface, J = (arm x n, n), arms in half diameters, plus a quarter of the same over
+  /// the outline, where n points across the outline, perpendicular to the ray. The outline counts
+  /// only where the model was visible up to it and something farther beyond it. Rotation about a
+  /// symmetry axis is excluded.
   float stability = 0;
 };
 
 struct ExamineOptions {
   VerifyOptions verify{};
-  float window = 2;  ///< half-width of the window that residuals are averaged over [pixel]
-  CorrelatedNoise correlated_noise{};  ///< of the scan, which counts against no pose
-  float correlation = 0;               ///< of the scan's errors from pixel to pixel, 0..1
-  int edge_pixels = 0;                 ///< by which the scan may show an outline beside its place
+  float window = 2;                    ///< half-width of the averaging window of residuals [pixel]
+  CorrelatedNoise correlated_noise{};  ///< correlated noise of the scan, which lowers no score
+  float correlation = 0;  ///< correlation of the scan's errors from pixel to pixel, 0..1
+  int edge_pixels = 0;    ///< possible shift of outlines in the scan
 };
 
 /// Working memory of examine_pose.
@@ -68,42 +70,42 @@ struct ExamineScratch {
   std::vector<std::array<double, 9>> sums;
 };
 
-/// The pixels that an examination found consistent: each is the middle of a square.
+/// The pixels that an examination found consistent, each the center of a square.
 struct ExplainedPixels {
-  std::vector<std::uint32_t> pixels;  ///< offset by the images before
-  std::uint32_t square = 1;           ///< side of the squares [pixel]; of the last image with any
+  std::vector<std::uint32_t> pixels;  ///< indices, offset by the pixels of previous images
+  std::uint32_t square = 1;  ///< side of the squares [pixel]; that of the last image with any
 };
 
-/// What is measured along a ray that meets a posed model, for who wants to see it.
+/// Measurement along a ray that hits a posed model, for display.
 enum class RayVerdict : std::uint8_t {
-  agrees,          ///< where the model says
-  looked_through,  ///< something farther, or a background plane that the model would reach through
-  runs_on,         ///< the model ends here, and what is measured does not
-  background,      ///< agrees, but only with a background plane
+  agrees,          ///< depth of the model
+  looked_through,  ///< something farther, or a background plane that the model would penetrate
+  runs_on,         ///< the model ends here, but the measured surface continues
+  background,      ///< depth of the model, but on a background plane
   hidden,          ///< something nearer
-  unmeasured,      ///< nothing
+  unmeasured,      ///< no measurement
 };
 struct JudgedRay {
-  Eigen::Vector3f place;  ///< where it meets the model, in the scene's frame
+  Eigen::Vector3f place;  ///< intersection with the model, in the scene's frame
   RayVerdict verdict;
 };
 
-/// What an examination lists where it is asked to: each list is replaced.
+/// Optional lists of an examination; each is overwritten.
 struct ExamineLists {
   ExplainedPixels* explained = nullptr;    ///< the consistent pixels
-  std::vector<JudgedRay>* rays = nullptr;  ///< what single rays say, one at an end of the model
-                                           ///< perhaps twice
+  std::vector<JudgedRay>* rays = nullptr;  ///< verdicts of single rays; a ray at an end of the
+                                           ///< model may occur twice
 };
 
-/// Shoot rays at the model through the pixels that it may cover, at most some 2,500 an image, and
-/// compare what they meet with the measured depth.
+/// Cast rays at the model through the pixels that it may cover, at most some 2,500 per image, and
+/// compare the hits with the measured depth.
 ///
-/// free_axis  if any, turns about it need not be held by what is seen
+/// free_axis  if given, the visible surface need not determine the rotation about it
 /// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
-/// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose; so are
-/// background planes, and the neighbors that are looked at where the pixel itself does not agree.
-/// A right pose leaves noise in r: averaged over windows it vanishes and has no slope. A wrong one
-/// leaves shape.
+/// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose. Background
+/// planes, and the neighbors tested if the pixel itself does not agree, are also treated as there.
+/// For a right pose, r is noise: averaged over windows it vanishes and has no slope. For a wrong
+/// one, r depends on shape.
 /// Sources: Papazov and Burschka, ACCV 2010 (acceptance by visibility and penalty); Gelfand et al.,
 /// 3DIM 2003 (stability of a registration by the eigenvalues of its covariance).
 Examination examine_pose(std::span<const RangeImage> images, const PosedModel& model,

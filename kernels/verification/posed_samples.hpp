@@ -1,4 +1,4 @@
-/// Model samples as a camera sees them, a block at a time, so that loops over them vectorize.
+/// Model samples in a camera's view, in blocks so that loops over them vectorize.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace trivet::kernels {
 
-/// Samples of a block: few enough that all its columns stay in the first-level cache.
+/// Number of samples of a block: few enough that all its columns stay in the first-level cache.
 inline constexpr std::size_t kSampleBlock = 256;
 
 template <class T>
@@ -22,7 +22,7 @@ struct SampleBlock {
   std::size_t first = 0, count = 0;
   alignas(64) BlockColumn<float> x, y, z;
   alignas(64) BlockColumn<float> normal_x, normal_y, normal_z;
-  alignas(64) BlockColumn<std::int32_t> column, row;  ///< of the pixel; -1 outside or behind
+  alignas(64) BlockColumn<std::int32_t> column, row;  ///< pixel coordinates; -1 outside or behind
 
   PointsSpan points() noexcept { return {{x.data(), count}, {y.data(), count}, {z.data(), count}}; }
   NormalsSpan normals() noexcept {
@@ -30,7 +30,7 @@ struct SampleBlock {
   }
 };
 
-/// A model at a pose before the camera of one image, which both must outlive it.
+/// A model at a pose before the camera of one image. References model and image.
 class PosedSamples {
  public:
   PosedSamples(const ImageGeometry& geometry, const ModelSamples& samples,
@@ -38,14 +38,15 @@ class PosedSamples {
 
   const Pose& T_camera_model() const noexcept { return T_camera_model_; }
 
-  /// Whether the model itself leaves sample i in view.
+  /// Whether sample i is not hidden by the model itself.
   bool sees(std::size_t i) const noexcept {
     return (samples_.views[i][view_word_] >> view_bit_ & 1U) != 0;
   }
 
-  /// Place samples from `first` to below `end`, no more than a block. No allocation. Each sample the
-  /// same bits in any block: points as move_points sums, normals c0 x + (c1 y + c2 z), both without
-  /// fused products, as Eigen on x86-64 (on arm64 it fuses); pixels as ImageGeometry::pixel_of.
+  /// Transform samples from `first` to below `end`, no more than a block. No allocation. Each
+  /// sample gets the same bits in any block: points are summed as in move_points, normals as c0 x +
+  /// (c1 y + c2 z), both without fused products, as Eigen on x86-64 (on arm64 it fuses); pixels as
+  /// ImageGeometry::pixel_of.
   void place(std::size_t first, std::size_t end, SampleBlock& block) const noexcept;
 
  private:
@@ -55,8 +56,8 @@ class PosedSamples {
   std::size_t view_word_, view_bit_;
 };
 
-/// Move points: ((c0 x + c1 y) + c2 z) + t, c the rotation's columns. `out` has as many points and
-/// does not overlap them.
+/// Transform points: ((c0 x + c1 y) + c2 z) + t, c the rotation's columns. `out` has as many points
+/// and does not overlap them.
 void move_points(const Pose& pose, const PointsView& points, const PointsSpan& out) noexcept;
 
 }  // namespace trivet::kernels

@@ -1,4 +1,4 @@
-/// Bring a pose to its best fit: point-to-plane ICP with projective association and robust weights.
+/// Pose refinement: point-to-plane ICP with projective association and robust weights.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@
 namespace trivet::kernels {
 
 struct RefineOptions {
-  std::size_t num_samples = 400;  ///< the first samples of the model
+  std::size_t num_samples = 400;  ///< number of samples used, the first ones of the model
   int max_iterations = 10;
-  /// Residuals beyond it have no weight in the first iteration [scene unit], > 0.
+  /// Largest residual with weight in the first iteration [scene unit], > 0.
   float first_gate = 0;
-  float last_gate = 0;  ///< ... in the last one; the gate shrinks geometrically between, > 0
+  float last_gate = 0;  ///< gate of the last iteration; it shrinks geometrically, > 0
   float max_normal_angle_rad = 1.0F;
-  /// The result is given up beyond this motion of the model's center, > 0.
+  /// Largest motion of the model's center, beyond which the result is discarded, > 0.
   float max_translation = 0;
   float max_rotation_rad = 0.35F;
 };
@@ -25,13 +25,13 @@ struct RefineOptions {
 struct Refined {
   Pose T_scene_model;
   int iterations = 0;
-  bool moved_too_far = false;  ///< the pose is then the one given
+  bool moved_too_far = false;  ///< true: the pose is the initial one
 };
 
 /// Minimize sum w (n . (T p - q))^2 over the visible samples p, where q is the measured point on
 /// p's viewing ray and n its normal (Chen and Medioni, 1992; association as Blais and Levine, PAMI
-/// 1995; weights of Tukey). No allocation. Fewer than 20 associated samples leave the pose where it
-/// is.
+/// 1995; weights of Tukey). No allocation. With fewer than 20 correspondences the pose does not
+/// change.
 Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samples,
                     const Pose& T_scene_model, const RefineOptions& options) noexcept;
 
