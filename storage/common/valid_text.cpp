@@ -11,11 +11,11 @@ namespace trivet {
 namespace {
 
 struct Character {
-  std::string_view bytes;              ///< of the text, at least one
-  std::optional<char32_t> code_point;  ///< none: ill-formed
+  std::string_view bytes;              ///< bytes of the character, at least one
+  std::optional<char32_t> code_point;  ///< empty: ill-formed
 };
 
-/// The first character of a text that is not empty; by table 3-7 of the Unicode Standard.
+/// The first character of a non-empty text, by table 3-7 of the Unicode Standard.
 Character first_of(std::string_view text) noexcept {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char lead = byte(0);
@@ -23,7 +23,7 @@ Character first_of(std::string_view text) noexcept {
   const std::size_t length = lead >= 0xF0 ? 4 : lead >= 0xE0 ? 3 : 2;
   if (lead < 0xC2 || lead > 0xF4) return {text.substr(0, 1), {}};
 
-  // The second byte alone tells overlong forms, surrogates and what is beyond U+10FFFF.
+  // The second byte alone identifies overlong forms, surrogates and values beyond U+10FFFF.
   unsigned char low = 0x80, high = 0xBF;
   if (lead == 0xE0) low = 0xA0;
   if (lead == 0xED) high = 0x9F;
@@ -39,7 +39,7 @@ Character first_of(std::string_view text) noexcept {
   return {text.substr(0, length), code_point};
 }
 
-/// What acts on the text around it instead of being seen.
+/// Whether a character has an effect on the surrounding text instead of a visible form.
 bool is_control(char32_t c) noexcept {
   const bool is_break = c == 0x2028 || c == 0x2029;
   const bool reorders = c == 0x061C || c == 0x200E || c == 0x200F || (c >= 0x202A && c <= 0x202E) ||
@@ -54,7 +54,7 @@ std::string escaped(char32_t c) {
   return fmt::format("\\u{:04X}", static_cast<std::uint32_t>(c));
 }
 
-/// `keeps` says which characters stay as they are, beside those of plain ASCII.
+/// `keeps` selects the characters to keep, in addition to those of plain ASCII.
 template <class Keeps>
 std::string rewritten(std::string_view text, Keeps keeps) {
   std::string out;

@@ -19,11 +19,11 @@ std::atomic<int> num_everywhere{0};
 thread_local bool is_patient = false;
 thread_local Clock::time_point first_try{}, last_try{};
 
-/// Called by operator new wherever memory is missing; it tries again when this returns.
+/// Called by operator new after a failed allocation; it retries when this returns.
 void wait_or_throw() {
   if (!is_patient && num_everywhere == 0 && std::uncaught_exceptions() == 0) throw std::bad_alloc();
   const auto now = Clock::now();
-  if (now - last_try > 2 * kRetryAfter) first_try = now;  // another allocation than before
+  if (now - last_try > 2 * kRetryAfter) first_try = now;  // a different allocation than before
   last_try = now;
   if (now - first_try > kLongestWait) throw std::bad_alloc();
   std::this_thread::sleep_for(kRetryAfter);
