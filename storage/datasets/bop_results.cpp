@@ -25,7 +25,7 @@ constexpr std::string_view kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr std::uint64_t kMaxBytes = 1ULL << 30;
 constexpr double kMaxNumber = 1e9;
 
-/// What is wrong with a line.
+/// Fault of a line.
 struct Fault {
   std::string message;
 };
@@ -88,7 +88,7 @@ BopResult parse_line(std::string_view line) {
   return result;
 }
 
-/// The times of the images, which each line must keep to.
+/// Times of the images; all lines of an image must agree.
 class ImageTimes {
  public:
   void check(const BopResult& result) {

@@ -52,7 +52,7 @@ ManifestScene parse_scene(const JsonNode& node, const std::filesystem::path& fol
   return scene;
 }
 
-/// JSON objects have no order; the order of the file is noted while it is parsed.
+/// JSON objects have no order; the order in the file is recorded during parsing.
 class ModelOrder {
  public:
   void on_key(int depth, const std::string& key) {
@@ -87,7 +87,7 @@ std::optional<Symmetry> parse_symmetry(const JsonNode& model) {
 }
 
 TruthInstance parse_truth(const JsonNode& node) {
-  // What people write beside it, such as how it was made, is theirs.
+  // Additional notes by users, such as how the file was made, are allowed.
   node.without_misspelled(
       {"model", "T_scene_model", "occlusion", "visible_fraction", "clutter", "ignore"});
   const FilePose pose = node.at("T_scene_model").file_pose();

@@ -25,7 +25,7 @@ bool is_there(const fs::path& file) {
   return fs::exists(file, ignored);
 }
 
-/// Where meshes to train from may lie, the best first.
+/// Folders of training meshes in order of preference.
 constexpr std::array kModelFolders{"models", "models_cad", "models_eval"};
 
 std::optional<fs::path> find_models(const fs::path& root) {
@@ -35,7 +35,7 @@ std::optional<fs::path> find_models(const fs::path& root) {
   return {};
 }
 
-/// Folders of a folder, by name; none if it cannot be read.
+/// Subfolders by name; none if the folder cannot be read.
 std::vector<std::string> list_folders(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -59,11 +59,11 @@ std::set<int> list_scenes(const fs::path& split) {
   return ids;
 }
 
-/// A data set and the split of it that is meant.
+/// A data set and its requested split.
 struct Place {
   fs::path root, models;
   fs::path split;      ///< empty: to be chosen
-  std::string camera;  ///< empty: the one that has depth images
+  std::string camera;  ///< empty: the one with depth images
 };
 
 std::optional<Place> find_folder(const fs::path& folder) {
@@ -99,7 +99,7 @@ fs::path name_of(const fs::path& folder) {
 
 bool is_test(std::string_view split_name) { return split_name.starts_with("test"); }
 
-/// The one split with test images.
+/// The only split with test images.
 Result<fs::path> choose_split(const fs::path& root) {
   std::vector<std::string> splits = list_folders(root);
   std::erase_if(splits, [&](const std::string& name) {
@@ -117,7 +117,7 @@ Result<fs::path> choose_split(const fs::path& root) {
                            root.string(), fmt::join(splits, ", "))};
 }
 
-/// An id that stands as a key, written in one way only.
+/// An id used as a key, in its canonical form only.
 int parse_id(const std::string& key, const JsonNode& node) {
   const auto id = parse_integer(key);
   if (!id || *id < 0 || *id > kMaxBopId || key != std::to_string(*id))
@@ -146,7 +146,7 @@ BopObject parse_object(int id, const JsonNode& node) {
   return object;
 }
 
-/// How many instances of each object are to be found in each image that is to be looked at.
+/// Number of instances of each object to be found in each image of a scene.
 using ImageTargets = std::map<int, std::map<int, int>>;
 using Targets = std::map<int, ImageTargets>;  ///< by scene
 
@@ -163,7 +163,7 @@ Result<void> add_targets(const fs::path& file, bool with_counts, Targets& target
   });
 }
 
-/// None without a file.
+/// Empty without a file.
 Result<std::optional<Targets>> read_targets(const fs::path& root) {
   std::optional<Targets> targets;
   for (const char* name : {"test_targets_bop19.json", "test_targets_bop24.json"}) {
@@ -179,7 +179,7 @@ std::string comma_list(const std::vector<std::string>& names) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// The names of a scene's cameras, where its files name them: scene_camera_NAME.json.
+/// The names of a scene's cameras, if its files contain them: scene_camera_NAME.json.
 std::vector<std::string> list_cameras(const fs::path& folder) {
   constexpr std::string_view kBegin = "scene_camera_";
   std::vector<std::string> names;
@@ -195,7 +195,7 @@ std::vector<std::string> list_cameras(const fs::path& folder) {
   return names;
 }
 
-/// Where the files of one camera of a scene are.
+/// Paths of the files of one camera of a scene.
 struct SceneFiles {
   fs::path folder;
   std::string suffix;  ///< "_" and the camera's name, or nothing
@@ -208,7 +208,7 @@ struct SceneFiles {
   }
 };
 
-/// Reads the scenes of a split into a manifest whose models are there.
+/// Reads the scenes of a split into a manifest that already has its models.
 class SceneReader {
  public:
   SceneReader(const fs::path& split, const std::string& camera, Manifest& manifest)
@@ -216,7 +216,7 @@ class SceneReader {
     for (const ManifestModel& model : manifest.models) names_[model.object_id] = model.name;
   }
 
-  /// images   to be read, all if absent
+  /// images   images to be read, all if absent
   Result<void> read(int scene_id, const ImageTargets* images) {
     const fs::path folder = bop_scene_folder(split_, scene_id);
     TRIVET_TRY_ASSIGN(const std::string camera, find_camera(folder));
@@ -241,8 +241,8 @@ class SceneReader {
   }
 
  private:
-  /// What follows "scene_camera", "depth" ... in the names of a scene's files: nothing, or "_" and
-  /// the camera's name, where there are several: the one that was asked for, or has depth images.
+  /// The suffix after "scene_camera", "depth" ... in the names of a scene's files: empty, or "_"
+  /// and the camera's name if there are several: the requested one, or the one with depth images.
   Result<std::string> find_camera(const fs::path& folder) const {
     const std::vector<std::string> cameras = list_cameras(folder);
     if (!camera_.empty()) {
@@ -297,7 +297,7 @@ class SceneReader {
     return done && is_there(info) ? for_images(info, scenes, add_visibility) : done;
   }
 
-  /// Call parse(entry, truth) for each of the images that is wanted.
+  /// Call parse(entry, truth) for each requested image.
   template <class Parse>
   static Result<void> for_images(const fs::path& file, std::map<int, ManifestScene>& scenes,
                                  Parse&& parse) {
@@ -355,7 +355,7 @@ class SceneReader {
   const fs::path& split_;
   const std::string& camera_;
   Manifest& manifest_;
-  std::map<int, std::string> names_;  ///< by object id
+  std::map<int, std::string> names_;  ///< model names by object id
 };
 
 Result<Manifest> read_models(const Place& place) {

@@ -19,7 +19,7 @@ using nlohmann::ordered_json;
 
 ordered_json row_json(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
 
-/// Row by row.
+/// The values row by row.
 template <int rows, int columns>
 ordered_json numbers_json(const Eigen::Matrix<float, rows, columns>& m) {
   ordered_json numbers = ordered_json::array();
@@ -76,8 +76,8 @@ Result<void> publish_text(const fs::path& file, std::string_view text) {
   return publish_file(file, std::as_bytes(std::span(text)));
 }
 
-/// An object whose members are named by numbers and stand in lines of their own, as the benchmark's
-/// own tools write them.
+/// An object with numbers as names and each member on a separate line, in the format of the
+/// benchmark's tools.
 template <class Items, class Json>
 Result<void> publish_by_id(const fs::path& file, const Items& items, Json&& json) {
   std::map<int, std::string> lines;
@@ -95,7 +95,7 @@ Result<void> publish_list(const fs::path& file, const std::vector<ordered_json>&
   return publish_text(file, text + "\n]\n");
 }
 
-/// How many instances of each object are visible enough to be looked for.
+/// Number of instances of each object that are visible enough to be targets.
 std::map<int, int> targets_of(const BopImage& image) {
   std::map<int, int> num_instances;
   for (const BopInstance& instance : image.instances) {
