@@ -20,8 +20,8 @@ std::int64_t nanoseconds(const timespec& time) {
 constexpr std::chrono::milliseconds kLookAgain{1};
 constexpr int kMostLooks = 1000;
 
-/// By the clock that files take their times from. It goes in steps of some milliseconds, of more on a
-/// machine that is held up: within one a second change gives a file no other time.
+/// The clock of file times. It advances in steps of some milliseconds, more on a machine that is
+/// held up: a second change within one step does not change a file's time.
 std::int64_t time_for_files() {
   timespec now{};
   ::clock_gettime(CLOCK_REALTIME_COARSE, &now);
@@ -40,7 +40,7 @@ FileIdentity FileIdentity::of(const struct stat& status) noexcept {
 }
 
 Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t max_bytes) {
-  // Not blocking: a named pipe without a writer would hang before it could be refused.
+  // Non-blocking: a named pipe without a writer would hang before it could be refused.
   Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
   if (!descriptor) {
     const bool missing = errno == ENOENT || errno == ENOTDIR;
@@ -67,7 +67,7 @@ Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t
 
 bool wait_for_rest(OpenedFile& opened) {
   for (int look = 0; look < kMostLooks; ++look) {
-    // What has a time to come, by another machine's clock, gets one before it.
+    // A time in the future, from another machine's clock, is replaced by an earlier one.
     if (time_for_files() != opened.identity.written) return true;
     std::this_thread::sleep_for(kLookAgain);
     struct stat status {};

@@ -25,7 +25,7 @@ Error cannot_create(const std::filesystem::path& file) {
           fmt::format("{}: cannot be created: {}", file.string(), errno_text())};
 }
 
-/// Opened for writing; negative: there is such a file, or none can be created (errno).
+/// Create a file for writing; negative if it exists or cannot be created (errno).
 int create_new(const std::filesystem::path& file) {
   return ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
 }
@@ -39,8 +39,8 @@ std::string pending_prefix(const std::filesystem::path& target) {
   return fmt::format(".{}.", target.filename().string());
 }
 
-/// Give a file the mode, owner and group of the one whose place it is going to take, as far as this
-/// process may. Who was not allowed to read the old one is not allowed to read the new one.
+/// Copy mode, owner and group from the file to be replaced, as far as this process may. Users who
+/// could not read the old file cannot read the new one.
 void take_over_rights(int descriptor, const std::filesystem::path& target) noexcept {
   struct stat before {
   }, mine{};
@@ -49,7 +49,7 @@ void take_over_rights(int descriptor, const std::filesystem::path& target) noexc
   constexpr auto kSame = static_cast<uid_t>(-1);
   const bool has_group =
       before.st_gid == mine.st_gid || ::fchown(descriptor, kSame, before.st_gid) == 0;
-  // The new file's group are others.
+  // The new file's group has other members.
   if (!has_group) mode &= ~mode_t{070U} | ((mode & 07U) << 3U);
   if (before.st_uid != mine.st_uid) [[maybe_unused]]
     const int allowed = ::fchown(descriptor, before.st_uid, kSame);
@@ -79,8 +79,8 @@ void ask_for_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, 
 
 void give_back_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_DONTNEED); }
 
-// When one byte is read, Linux maps the 64 KiB around it, or all of a large folio, whose 2 MiB it may
-// have brought in together.
+// When one byte is read, Linux maps the 64 KiB around it, or a whole large folio, of which it may
+// have read up to 2 MiB at once.
 void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept {
   constexpr std::size_t kAround = std::size_t{2} << 20U;
   const auto at = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
@@ -97,7 +97,7 @@ void give_back_file(const std::filesystem::path& file) noexcept {
 }
 
 std::filesystem::path behind_links(const std::filesystem::path& file) {
-  constexpr int kMostLinks = 40;  // as many as Linux follows
+  constexpr int kMostLinks = 40;  // Linux's limit
   std::filesystem::path at = file;
   for (int i = 0; i < kMostLinks; ++i) {
     std::error_code error;
@@ -113,7 +113,7 @@ Result<PendingFile> PendingFile::create(const std::filesystem::path& given) {
   const std::filesystem::path target = behind_links(given);
   file.target_ = target;
   const auto folder = folder_of(target);
-  // A name of its own for each writer: two of them never share a temporary file.
+  // Each writer uses a unique name: two of them never share a temporary file.
   for (int attempt = 0; file.descriptor_ < 0; ++attempt) {
     file.name_ =
         folder / fmt::format("{}{}.{}{}", pending_prefix(target), ::getpid(), attempt, kPendingEnd);
@@ -134,7 +134,7 @@ Result<PendingFile> PendingFile::create_lasting(const std::filesystem::path& tar
   return file;
 }
 
-// Whatever fails here, fsync tells.
+// Errors here are reported by fsync.
 void PendingFile::start_writing_back() const noexcept {
   [[maybe_unused]] const int ignored = ::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
 }
@@ -157,7 +157,8 @@ Result<void> PendingFile::publish(Outlasts end) {
   ::close(std::exchange(descriptor_, -1));
   if (end == Outlasts::process) return {};
 
-  // The rename itself must survive a power cut; some file systems cannot sync a folder (EINVAL).
+  // The rename itself must survive a power failure; some file systems cannot sync a folder
+  // (EINVAL).
   const auto folder = folder_of(target_);
   const Descriptor parent(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (!parent || (::fsync(parent.get()) != 0 && errno != EINVAL)) {

@@ -25,7 +25,7 @@ fs::path lock_of(const fs::path& file) {
   return file.parent_path() / fmt::format(".{}.lock", file.filename().string());
 }
 
-/// Whether a path still leads to what was opened by it: whoever held the lock removes its file.
+/// Whether a path still leads to the opened file: the holder of a lock removes its file.
 bool is_at(int descriptor, const fs::path& path) {
   struct stat opened {
   }, there{};
@@ -44,7 +44,7 @@ std::string holder_of(int descriptor) {
   return count > 0 ? std::string(text.data(), static_cast<std::size_t>(count)) : "another process";
 }
 
-/// For others to read. Where the disk is full they learn less.
+/// Write the owner for others to read. On a full disk the text may be incomplete.
 void say_whose(int descriptor) {
   const std::string text = fmt::format("process {} on {} since {:%F %T}", ::getpid(), host_name(),
                                        fmt::localtime(std::time(nullptr)));

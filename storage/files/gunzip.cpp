@@ -10,7 +10,7 @@
 namespace trivet {
 namespace {
 
-/// Go over all members, and keep what they hold where `out` has room for it; its size.
+/// Process all members; store their contents as far as `out` has room, and return the total size.
 Result<std::uint64_t> unpack(std::span<const std::byte> packed, std::string_view name,
                              std::uint64_t max_bytes, std::span<std::byte> out) {
   const auto refuse = [&](std::string_view what) {

@@ -33,8 +33,8 @@ Matrix3d nearest_rotation(const Matrix3d& m) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
-/// Give a document's memory back, from the leaves to the root: nlohmann's destructor collects what
-/// a document holds in an array of its own, and where there is no memory for it the process ends.
+/// Free a document's memory from the leaves to the root. nlohmann's destructor collects the
+/// contents in a separate array, and the process ends if there is no memory for it.
 void release(nlohmann::json& value) noexcept {
   if (value.is_array()) {
     auto& elements = value.get_ref<nlohmann::json::array_t&>();
@@ -47,7 +47,7 @@ void release(nlohmann::json& value) noexcept {
   }
 }
 
-/// A document that is parsed and given back so.
+/// A parsed document that is freed by release().
 struct ParsedJson {
   explicit ParsedJson(nlohmann::json parsed) noexcept : document(std::move(parsed)) {}
   ~ParsedJson() { release(document); }

@@ -14,7 +14,7 @@ struct Signature {
   Appearance appearance;
 };
 
-/// How files of a kind begin, byte by byte.
+/// First bytes of files of a kind.
 constexpr Signature kSignatures[] = {
     {"version https://git-lfs.github.com/spec/"sv,
      {"a pointer of Git LFS", "fetch the file itself with git lfs pull", {}}},
@@ -41,7 +41,7 @@ constexpr Signature kSignatures[] = {
 
 bool is_blank(char c) noexcept { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-/// Whether text begins so, whatever its case. `lower` is in lower case.
+/// Whether text begins with `lower`, ignoring case. `lower` is in lower case.
 bool begins(std::string_view text, std::string_view lower) noexcept {
   return text.size() >= lower.size() &&
          std::equal(lower.begin(), lower.end(), text.begin(), [](char expected, char c) {
@@ -49,7 +49,7 @@ bool begins(std::string_view text, std::string_view lower) noexcept {
          });
 }
 
-/// Text as UTF-16 has a mark at its begin or, of Latin letters, a zero in each pair of bytes.
+/// UTF-16 text has a byte-order mark or, for Latin letters, a zero in each pair of bytes.
 bool is_utf16(std::string_view head) noexcept {
   if (head.starts_with("\xFF\xFE"sv) || head.starts_with("\xFE\xFF"sv)) return true;
   constexpr std::size_t kPairs = 8;

@@ -20,8 +20,8 @@ struct MappedFile::Mapping {
 
   const std::span<const std::byte> mapped;
   const MappingGuard guard;
-  Descriptor descriptor{};  ///< none: nobody else writes it
-  FileIdentity identity{};  ///< as it was opened
+  Descriptor descriptor{};  ///< empty: no other process writes the file
+  FileIdentity identity{};  ///< identity at opening
   std::atomic<std::int64_t> touched{0};
   std::atomic<bool> is_changed{false};
 };

@@ -13,7 +13,7 @@
 namespace trivet {
 namespace {
 
-/// Where a guarded mapping lies. A handler may read it at any moment: it has no lock.
+/// Range of a guarded mapping. A signal handler may read it at any time, so it has no lock.
 struct Guarded {
   std::atomic<bool> is_taken{false}, is_torn{false};
   std::atomic<std::uintptr_t> begin{0}, end{0};  ///< 0: none
@@ -21,13 +21,13 @@ struct Guarded {
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
 
 std::array<Guarded, 4096> all_guarded;
-std::atomic<std::size_t> num_slots{0};  ///< those behind were never taken
+std::atomic<std::size_t> num_slots{0};  ///< number of slots used so far
 std::uintptr_t page_size = 0;
 struct sigaction action_before {};
 
-/// Replace what lies in a guarded mapping from an address on: past the end of a file that was cut
-/// short nothing is left, and what is told of the mapping is that it is torn. All at once, since
-/// each piece by itself would count against the number of mappings that a process may have.
+/// Replace the rest of a guarded mapping from an address on: past the end of a truncated file there
+/// is no data, and the mapping is reported as torn as a whole. The rest is replaced at once, since
+/// each piece would count towards the limit on mappings of a process.
 bool tear(std::uintptr_t address) noexcept {
   const std::size_t n = num_slots.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < n; ++i) {
@@ -57,7 +57,7 @@ void on_bus_error(int signal, siginfo_t* info, void* context) {
   if (action_before.sa_handler != SIG_DFL && action_before.sa_handler != SIG_IGN) {
     return action_before.sa_handler(signal);
   }
-  // The access is repeated on return, and ends the process.
+  // The access is repeated on return and then ends the process.
   struct sigaction end {};
   end.sa_handler = SIG_DFL;
   ::sigaction(SIGBUS, &end, nullptr);

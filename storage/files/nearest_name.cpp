@@ -13,10 +13,10 @@
 namespace trivet {
 namespace {
 
-/// Longer names are no slips of the pen; they cost nothing.
+/// Longer names are not typing errors and cost no time.
 constexpr std::size_t kMostLetters = 64;
 
-/// Letters that count.
+/// The significant characters of a name, without case.
 std::string folded(std::string_view name) {
   std::string out;
   for (const char c : name) {
@@ -27,7 +27,7 @@ std::string folded(std::string_view name) {
 }
 
 std::size_t num_differing(std::string_view a, std::string_view b) {
-  // Rows of the table of distances between the beginnings of both: two before, one before, this.
+  // Rows of the distance table between prefixes of both: two before, one before, current.
   std::array<std::vector<std::size_t>, 3> rows;
   for (auto& row : rows) row.resize(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) rows[2][j] = j;
@@ -52,7 +52,7 @@ std::string_view nearest_name(std::string_view name, std::span<const std::string
   if (name.size() > kMostLetters) return {};
   const std::string found = folded(name);
   std::string_view nearest;
-  std::size_t least = found.size() / 3 + 1;  // what is nearer is near
+  std::size_t least = found.size() / 3 + 1;  // largest distance of a near name
   for (const std::string_view one : known) {
     const std::size_t differing = num_differing(found, folded(one));
     if (differing < least) {

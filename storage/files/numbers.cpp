@@ -9,7 +9,7 @@
 namespace trivet {
 namespace {
 
-/// std::from_chars takes no plus sign.
+/// std::from_chars does not accept a plus sign.
 std::string_view without_plus(std::string_view word) noexcept {
   const bool plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
   return plus ? word.substr(1) : word;
@@ -23,7 +23,7 @@ std::optional<double> parse_number(std::string_view word) noexcept {
   const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (end != word.data() + word.size()) return {};
   if (fault == std::errc{}) return value;
-  // Too small for double is zero, too large is no number.
+  // Values too small for double are zero, too large ones are invalid.
   const bool tiny = word.find("e-") != word.npos || word.find("E-") != word.npos;
   if (fault == std::errc::result_out_of_range && tiny) return 0.0;
   return {};
@@ -49,7 +49,7 @@ std::optional<std::uint32_t> to_index(double value, std::uint64_t bound) noexcep
 }
 
 PlainLocale::PlainLocale() noexcept {
-  static const locale_t kPlain = ::newlocale(LC_ALL_MASK, "C", nullptr);  // always there
+  static const locale_t kPlain = ::newlocale(LC_ALL_MASK, "C", nullptr);  // never freed
   before_ = ::uselocale(kPlain);
 }
 

@@ -20,7 +20,7 @@ Error changed_meanwhile(const std::filesystem::path& file) {
                   file.string())};
 }
 
-/// Of a file as long as it was when it was opened, into a buffer of bytes or characters.
+/// Read a file of the length at opening into a buffer of bytes or characters.
 template <class Buffer>
 Result<Buffer> read_whole(const std::filesystem::path& file, std::uint64_t max_bytes) {
   TRIVET_TRY_ASSIGN(OpenedFile opened, open_regular(file, max_bytes));
@@ -68,7 +68,7 @@ Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,
   std::vector<std::byte> bytes;
   std::size_t size = 0;
   while (true) {
-    // Doubled, so that what comes in small pieces is not copied for each.
+    // Doubled, so that data in small pieces is not copied for each.
     if (bytes.size() < size + kStep) bytes.resize(std::max(2 * bytes.size(), kStep));
     const ssize_t count = ::read(descriptor, bytes.data() + size, bytes.size() - size);
     if (count < 0 && errno == EINTR) continue;
