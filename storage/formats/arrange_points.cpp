@@ -10,7 +10,7 @@ Cloud arrange_points(Positions positions, Positions normals, std::uint32_t width
                      std::uint32_t height, const Input& input) {
   const std::size_t count = positions.size();
   const bool organized = width > 1 && height > 1;
-  // The camera itself is what pixels without a measurement are often set to.
+  // Pixels without a measurement are often set to the camera's position.
   for (std::size_t i = 0; organized && i < count; ++i) {
     if (positions.x[i] == 0 && positions.y[i] == 0 && positions.z[i] == 0)
       positions.x[i] = std::numeric_limits<double>::quiet_NaN();

@@ -27,16 +27,16 @@ std::string plain_name(std::string_view name) {
   return plain;
 }
 
-/// Numbers as a list, as rows, or as what OpenCV writes: {"rows", "cols", "data"}.
+/// Numbers as a list, as rows, or in OpenCV's form {"rows", "cols", "data"}.
 std::vector<double> numbers_of(const JsonNode& node) {
   return node.value().is_object() ? node.at("data").flat_numbers() : node.flat_numbers();
 }
 
 enum class Order { rows, columns };
 
-constexpr double kRounding = 1e-6;  // of what is written as zero or one [pixel]
+constexpr double kRounding = 1e-6;  // tolerance for zeros and ones [pixel]
 
-/// fx 0 cx, 0 fy cy, 0 0 1.
+/// Parse the matrix fx 0 cx, 0 fy cy, 0 0 1.
 void take_matrix(const JsonNode& node, Order order, Camera& camera) {
   const std::vector<double> m = numbers_of(node);
   if (m.size() != 9) node.refuse(fmt::format("expected 9 numbers instead of {}", m.size()));
@@ -60,8 +60,8 @@ void take_matrix(const JsonNode& node, Order order, Camera& camera) {
   camera.fx = at(0, 0), camera.fy = at(1, 1), camera.cx = at(0, 2), camera.cy = at(1, 2);
 }
 
-/// {"projection_model_type", "projection_params": [fx, fy, cx, cy, and zeros]}, as BOP has it since
-/// 2024.
+/// Parse {"projection_model_type", "projection_params": [fx, fy, cx, cy, and zeros]}, BOP's form
+/// since 2024.
 void take_model(const JsonNode& model, Camera& camera) {
   const JsonNode type = model.at("projection_model_type"), list = model.at("projection_params");
   const std::string name = plain_name(type.string());
@@ -77,7 +77,7 @@ void take_model(const JsonNode& model, Camera& camera) {
   camera.cx = parameters[2], camera.cy = parameters[3];
 }
 
-/// The first of these members that is there.
+/// The first existing one of these members.
 const char* find_member(const JsonNode& node, std::initializer_list<const char*> names) {
   const auto* const found = std::ranges::find_if(names, [&](auto name) { return node.has(name); });
   return found == names.end() ? nullptr : *found;
@@ -106,7 +106,7 @@ void take_projection(const JsonNode& node, Camera& camera) {
 
 constexpr std::array<const char*, 8> kCoefficients{"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
 
-/// Names of lists of them.
+/// Member names of coefficient lists.
 constexpr std::array<const char*, 5> kDistortions{"distortion", "coeffs", "d", "D",
                                                   "distortion_coefficients"};
 
@@ -116,8 +116,8 @@ Coefficients coefficients_of(const LensDistortion& d) {
   return {d.k1, d.k2, d.p1, d.p2, d.k3, d.k4, d.k5, d.k6};
 }
 
-/// 4 to 8 numbers in OpenCV's order; thin prisms and tilted sensors, which it puts behind them,
-/// must not be.
+/// 4 to 8 numbers in OpenCV's order. The thin prism and tilt coefficients that OpenCV appends are
+/// refused.
 Coefficients parse_list(const JsonNode& node) {
   const std::vector<double> numbers = numbers_of(node);
   Coefficients c{};
@@ -134,7 +134,7 @@ Coefficients parse_list(const JsonNode& node) {
   return c;
 }
 
-/// The name of the model, where one is told. RealSense's SDK numbers its own.
+/// The name of the distortion model, if given. RealSense's SDK uses numbers.
 std::string model_name(const JsonNode& node) {
   constexpr std::array kNumbered{"none",   "modified_brown_conrady", "inverse_brown_conrady",
                                  "ftheta", "brown_conrady",          "kannala_brandt4"};
@@ -164,7 +164,7 @@ LensDistortion parse_distortion(const JsonNode& node) {
     const std::string name = model_name(model);
     const auto is = [&](auto... names) { return ((name == names) || ...); };
     const bool same = is("plumb_bob", "rational_polynomial", "brown_conrady", "radtan") ||
-                      // The same without tangential terms.
+                      // Brown-Conrady without tangential terms.
                       (is("modified_brown_conrady") && c[2] == 0 && c[3] == 0);
     const bool straight =
         !bends && is("", "none", "pinhole", "inverse_brown_conrady", "modified_brown_conrady");
@@ -173,7 +173,7 @@ LensDistortion parse_distortion(const JsonNode& node) {
   return {c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7]};
 }
 
-/// Of the images; 0 where it is not told.
+/// Size of the images; 0 if not given.
 std::uint32_t parse_size(const JsonNode& node, std::string_view name) {
   constexpr int kMost = 1'000'000;
   for (const std::string& member : {std::string(name), fmt::format("image_{}", name)}) {
@@ -182,7 +182,7 @@ std::uint32_t parse_size(const JsonNode& node, std::string_view name) {
   return 0;
 }
 
-/// ROS's matrix is that of the whole sensor, of which the images may be a part or a smaller copy.
+/// ROS's matrix refers to the whole sensor, of which the images may be a part or a reduced copy.
 void refuse_part_of_sensor(const JsonNode& node) {
   for (const char* binning : {"binning_x", "binning_y"}) {
     if (node.has(binning) && node.at(binning).number() > 1)
@@ -197,8 +197,8 @@ void refuse_part_of_sensor(const JsonNode& node) {
   }
 }
 
-/// A name that nobody reads may be a distortion that nobody undoes. BOP's entries hold what their
-/// writers know of the picture, too.
+/// Unknown names are refused because they may be a distortion that would not be undone. BOP's
+/// entries also hold other metadata of the image.
 void refuse_unknown_names(const JsonNode& node) {
   if (node.has("cam_K") || node.has("cam_model")) {
     for (const auto& [name, value] : node.members()) {
@@ -213,11 +213,11 @@ void refuse_unknown_names(const JsonNode& node) {
              "distortion_model", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6",
              // RealSense
              "ppx", "ppy", "model", "coeffs", "fps",
-             // ROS, whose rectification and projection are of other images than the camera's own
+             // ROS; rectification and projection refer to derived images, not the camera's own
              "header", "K", "k", "D", "d", "R", "r", "P", "p", "binning_x", "binning_y", "roi",
              "camera_matrix", "distortion_coefficients", "rectification_matrix",
              "projection_matrix", "image_width", "image_height", "camera_name",
-             // Open3D, whose scenes stay in the frame of the camera
+             // Open3D; its scenes stay in the frame of the camera
              "intrinsic_matrix", "class_name", "version_major", "version_minor"});
 }
 
@@ -231,7 +231,7 @@ DepthKind parse_depth(const JsonNode& node) {
 }  // namespace
 
 Camera parse_camera(const JsonNode& node) {
-  if (node.has("intrinsic")) return parse_camera(node.at("intrinsic"));  // of Open3D, beside a pose
+  if (node.has("intrinsic")) return parse_camera(node.at("intrinsic"));  // Open3D, beside a pose
   Camera camera;
   take_projection(node, camera);
   refuse_unknown_names(node);

@@ -7,7 +7,7 @@
 namespace trivet::formats {
 namespace {
 
-constexpr std::size_t kFewCorners = 32;  // are looked at one after the other
+constexpr std::size_t kFewCorners = 32;  // number tested one by one
 
 }  // namespace
 
@@ -36,11 +36,11 @@ CornerGrid::Reach CornerGrid::reach_in_row(std::size_t row, const PlanePoint& a,
     const PlanePoint &from = *outline[k], &to = *outline[k + 1];
     if (from.y >= bottom && from.y <= top) take(from.x);
     for (const double y : {bottom, top}) {
-      const double along = (y - from.y) / (to.y - from.y);  // NaN or infinite: level
+      const double along = (y - from.y) / (to.y - from.y);  // NaN or infinite for a horizontal edge
       if (along >= 0 && along <= 1) take(from.x + along * (to.x - from.x));
     }
   }
-  // Rounding may put a triangle's end beside its row.
+  // Rounding may place a triangle's end beside its row.
   return reach.left <= reach.right ? reach : all;
 }
 

@@ -23,9 +23,11 @@ using formats::Input;
 using formats::load;
 using formats::Scalar;
 
-constexpr std::size_t kHeadBytes = 1 << 16;   ///< of what is packed, in which its header lies
-constexpr std::uint64_t kTriangleBytes = 50;  ///< of a binary STL file, with three corners
-constexpr std::uint64_t kFewestBytes = 4;     ///< of a point or pixel, where nothing tells it
+constexpr std::size_t kHeadBytes = 1 << 16;   ///< length of the decompressed head, which includes
+                                              ///< the header
+constexpr std::uint64_t kTriangleBytes = 50;  ///< size of a triangle in a binary STL file, with
+                                              ///< three corners
+constexpr std::uint64_t kFewestBytes = 4;     ///< fewest bytes of a point or pixel, if unknown
 
 std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t at, Scalar type,
                         std::endian order) {
@@ -40,7 +42,7 @@ std::uint64_t pixels_of_png(std::span<const std::byte> bytes) {
          number_at(bytes, kHeight, Scalar::uint32, std::endian::big);
 }
 
-/// By the first directory: TIFF 6.0, section 2.
+/// Size from the first directory: TIFF 6.0, section 2.
 std::uint64_t pixels_of_tiff(std::span<const std::byte> bytes) {
   constexpr std::uint64_t kWidth = 256, kHeight = 257, kShort = 3;
   constexpr std::size_t kEntryBytes = 12;
@@ -61,7 +63,7 @@ std::uint64_t pixels_of_tiff(std::span<const std::byte> bytes) {
   return width * height;
 }
 
-/// Points, and faces, which take about as much.
+/// Points, and faces, which take about as much memory.
 std::uint64_t points_of_ply(const Input& input) {
   const auto header = parse_ply_header(input);
   std::uint64_t sum = 0;
@@ -82,7 +84,7 @@ std::uint64_t values_of_npy(const Input& input, std::uint64_t num_bytes) {
   return is_image ? product : header->shape.front();
 }
 
-/// Of a text that begins so and has so many bytes: of a point a line.
+/// Number of points of a text with this head and size, at one point per line.
 std::uint64_t lines_of(std::string_view head, std::uint64_t num_bytes) {
   const auto lines = static_cast<std::uint64_t>(
       std::max(std::ranges::count(head, '\n'), std::ranges::count(head, '\r')));
@@ -90,8 +92,8 @@ std::uint64_t lines_of(std::string_view head, std::uint64_t num_bytes) {
   return num_bytes / (head.size() / (lines + 1) + 1);
 }
 
-/// head       the first bytes at least
-/// num_bytes  of the whole
+/// head       at least the first bytes
+/// num_bytes  size of the whole
 std::uint64_t points_of(const Input& head, std::uint64_t num_bytes, std::string_view extension) {
   const std::span<const std::byte> bytes = head.bytes;
   if (extension == "png") return pixels_of_png(bytes);
@@ -108,7 +110,7 @@ std::uint64_t points_of(const Input& head, std::uint64_t num_bytes, std::string_
   return extension == "stl" ? 3 * num_bytes / kTriangleBytes : num_bytes / kFewestBytes;
 }
 
-/// The first bytes of what is packed.
+/// The first bytes of gzip data after decompression.
 std::vector<std::byte> head_of(std::span<const std::byte> packed) {
   std::vector<std::byte> head(kHeadBytes);
   Inflater inflater(PackedFrame::gzip, packed);
@@ -131,7 +133,7 @@ DeclaredSize declared_size(std::span<const std::byte> bytes, const std::filesyst
   const std::vector<std::byte> head = is_packed ? head_of(bytes) : std::vector<std::byte>();
   const std::span<const std::byte> first = is_packed ? std::span<const std::byte>(head) : bytes;
   std::uint64_t num_bytes = first.size();
-  // RFC 1952, 2.3.1: the last four bytes tell the size.
+  // RFC 1952, 2.3.1: the last four bytes are the size.
   if (is_packed && head.size() == kHeadBytes)
     num_bytes = number_at(bytes, bytes.size() - 4, Scalar::uint32, std::endian::little);
   num_bytes = std::max<std::uint64_t>(std::min(num_bytes, options.max_file_bytes), first.size());

@@ -20,7 +20,7 @@ bool usable(const Camera& camera) {
 
 Result<void> check_pixels(const Input& input, std::uint64_t width, std::uint64_t height) {
   const std::uint64_t limit = std::min(input.options.max_pixels, input.max_points());
-  // Divided, as the product could overflow.
+  // Division, as the product could overflow.
   if (width > 0 && height > 0 && width <= limit && height <= limit / width) return {};
   return input.refuse(fmt::format("expected 1 to {} pixels, found {} x {}", limit, width, height));
 }

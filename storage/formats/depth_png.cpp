@@ -19,7 +19,7 @@ struct ImageHeader {
   unsigned bits, color;
 };
 
-/// Signature and IHDR, before libpng sees the file. Source: PNG (ISO/IEC 15948), sections 5.2
+/// Parse signature and IHDR before libpng reads the file. Source: PNG (ISO/IEC 15948), sections 5.2
 /// and 11.2.2.
 Result<ImageHeader> read_header(const Input& input) {
   constexpr std::size_t kHeaderBytes = 33;
@@ -44,7 +44,7 @@ Result<void> check_header(const Input& input, const ImageHeader& header) {
   }
   TRIVET_TRY(check_pixels(input, header.width, header.height));
   const std::uint64_t pixels = std::uint64_t{header.width} * header.height;
-  // Deflate shrinks by at most 1032 (RFC 1951: 258 bytes in two bits).
+  // Deflate compresses by at most 1032 (RFC 1951: 258 bytes in two bits).
   if (2 * pixels / 1032 > input.bytes.size()) {
     return input.refuse(fmt::format("{} x {} pixels cannot be in {} bytes; the file is truncated",
                                     header.width, header.height, input.bytes.size()));
@@ -52,7 +52,7 @@ Result<void> check_header(const Input& input, const ImageHeader& header) {
   return {};
 }
 
-/// What libpng's callbacks see.
+/// State of libpng's callbacks.
 struct Source {
   std::span<const std::byte> rest;
   std::array<char, 128> fault{};
@@ -75,7 +75,8 @@ void on_error(png_structp png, png_const_charp message) {
 
 void on_warning(png_structp, png_const_charp) {}
 
-/// Decode into rows of host-order depths. libpng leaves by longjmp: nothing here may own anything.
+/// Decode into rows of host-order depths. libpng exits by longjmp, so nothing here may own
+/// resources.
 bool decode(Source& source, std::span<const png_bytep> rows, std::uint32_t width) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &source, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;

@@ -17,16 +17,16 @@
 namespace trivet::formats {
 namespace {
 
-/// What libtiff's callbacks see.
+/// State of libtiff's callbacks.
 struct TiffSource {
   std::span<const std::byte> bytes;
   std::uint64_t at = 0;
-  std::array<char, 160> fault{};  ///< the first one: what follows is its consequence
-  bool guesses_lengths = false;   ///< those of its strips are absent or wrong
+  std::array<char, 160> fault{};  ///< the first fault; later ones are consequences
+  bool guesses_lengths = false;   ///< lengths of strips are absent or wrong
 
   std::string_view reason() const noexcept {
     const std::string_view said(fault.data());
-    // What it calls a lack of memory is a count that is 0 or beyond the limits that it was given.
+    // libtiff reports a count that is 0 or beyond its limits as a lack of memory.
     if (said.find("emory") != said.npos) return "a count in it cannot be";
     return said.empty() ? "it holds less than it says" : said;
   }
@@ -58,10 +58,10 @@ toff_t on_size(thandle_t handle) { return static_cast<TiffSource*>(handle)->byte
 int on_error(TIFF*, void* user, const char*, const char* format, va_list arguments) {
   auto& fault = static_cast<TiffSource*>(user)->fault;
   if (fault[0] == '\0') std::vsnprintf(fault.data(), fault.size(), format, arguments);
-  return 1;  // it goes no further
+  return 1;  // stop decoding
 }
 
-/// libtiff repairs lengths of strips by taking whatever bytes follow, and warns.
+/// libtiff repairs lengths of strips by using whatever bytes follow, and warns.
 int on_warning(TIFF*, void* user, const char*, const char* format, va_list) {
   if (std::string_view(format).find("calculating from imagelength") != std::string_view::npos)
     static_cast<TiffSource*>(user)->guesses_lengths = true;
@@ -74,7 +74,7 @@ struct Close {
 using Handle = std::unique_ptr<TIFF, Close>;
 
 Handle open(TiffSource& source, const ReadOptions& options) {
-  // Of one strip, tile or table of them.
+  // Limit for one strip, tile or table of them.
   const std::uint64_t most_memory = 8 * options.max_pixels + (1 << 20);
   TIFFOpenOptions* const settings = TIFFOpenOptionsAlloc();
   if (!settings) throw std::bad_alloc();
@@ -139,8 +139,8 @@ Result<TiffHeader> read_header(const Input& input, TIFF* tiff) {
                           is_float ? Scalar::float32 : Scalar::uint16};
   TRIVET_TRY(check_pixels(input, header.width, header.height));
   TRIVET_TRY(check_layout(input, tiff));
-  // Deflate shrinks by at most 1032, LZW by 1400: the longest strings of its table, one after the
-  // other, until it is full.
+  // Deflate compresses by at most 1032, LZW by 1400: the longest strings of its table, one after
+  // the other, until it is full.
   constexpr std::uint64_t kMostShrunk = 1400;
   if (header.row_bytes() * header.height / kMostShrunk > input.bytes.size()) {
     return input.refuse(fmt::format("{} x {} pixels cannot be in {} bytes; the file is truncated",
@@ -149,7 +149,7 @@ Result<TiffHeader> read_header(const Input& input, TIFF* tiff) {
   return header;
 }
 
-/// Rows of the image, some at a time, straight to their place.
+/// Decode some rows at a time, directly into the image.
 bool decode_strips(TIFF* tiff, const TiffHeader& header, std::span<std::byte> out) {
   const auto rows_per_strip = std::min(
       std::max<std::uint32_t>(1, tag<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP)), header.height);
@@ -164,7 +164,7 @@ bool decode_strips(TIFF* tiff, const TiffHeader& header, std::span<std::byte> ou
   return true;
 }
 
-/// Rectangles of the image; those at its right and lower border reach beyond it.
+/// Decode rectangles of the image; those at its right and lower border extend beyond it.
 bool decode_tiles(TIFF* tiff, const TiffHeader& header, std::span<std::byte> out) {
   const auto tile_width = tag<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH);
   const auto tile_height = tag<std::uint32_t>(tiff, TIFFTAG_TILELENGTH);

@@ -9,8 +9,8 @@
 namespace trivet::formats {
 namespace {
 
-/// Corners looked at for each corner of a file's faces, and for any file. Faces of 200,000 corners,
-/// every other one reflex, are split with two thirds of it.
+/// Limits on tested corners per corner of a file's faces, and for any file. Faces of 200,000
+/// corners, every other one reflex, are split within two thirds of it.
 constexpr std::uint64_t kStepsPerCorner = 1000, kFewSteps = 1'000'000;
 
 }  // namespace

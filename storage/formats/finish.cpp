@@ -13,8 +13,9 @@ namespace trivet::formats {
 namespace {
 
 constexpr float kLargestCoordinate = 1e7F;
-/// Extents beside the distance; a float's rounding is 6e-8 of it. Poses turn models about their
-/// origin, and the float that says where it is must not be coarse beside the model.
+/// Smallest extent relative to the distance from the origin; a float's rounding is 6e-8 of it.
+/// Poses rotate models about their origin, so rounding of the positions must be small relative to
+/// the model.
 constexpr float kSmallestExtent = 1e-5F, kSmallestModel = 1e-3F;
 
 void drop_invalid(Cloud& cloud) {
@@ -28,8 +29,8 @@ void drop_invalid(Cloud& cloud) {
   if (cloud.num_invalid > 0) keep_points(is_finite, cloud);
 }
 
-/// Of a model, what lies on no face counts neither into its size nor its symmetry. Points that only
-/// faces without area hold, as some programs write clouds, are a cloud.
+/// Vertices of a model that lie on no face count neither into its size nor its symmetry. If all
+/// faces have no area, as in clouds of some programs, the points are a cloud.
 void drop_unused(Cloud& cloud) {
   const UsedVertices used = find_used_vertices(cloud.points, cloud.triangles);
   if (used.num_unused == 0) return;

@@ -14,7 +14,7 @@ namespace {
 
 using Transform = Eigen::Affine3d;
 
-/// What a document must understand to be read may change its shapes, or only how it looks.
+/// Required extensions may change the shapes, or only the appearance.
 void check_extensions(const JsonNode& root) {
   if (!root.has("extensionsRequired")) return;
   for (const JsonNode& extension : root.at("extensionsRequired").elements()) {
@@ -65,7 +65,7 @@ Transform transform_of(const JsonNode& node) {
   return out;
 }
 
-/// Walks over the scene and joins what its nodes show.
+/// Traverses the scene and joins the meshes of its nodes.
 class GltfReader {
  public:
   GltfReader(const Input& input, const JsonNode& root, std::span<const std::byte> binary)
@@ -87,7 +87,7 @@ class GltfReader {
   }
 
  private:
-  /// The nodes that nothing is above: those of the scene, or where there is none, of the file.
+  /// The root nodes: those of the scene, or if there is none, of the file.
   std::vector<std::size_t> roots() const {
     std::vector<std::size_t> roots;
     const auto scenes = elements_of(root_, "scenes");
@@ -114,7 +114,7 @@ class GltfReader {
     return indices;
   }
 
-  /// Depth first with a stack of our own: files may nest as deep as they like.
+  /// Depth first with an explicit stack: files may nest to any depth.
   void walk() {
     struct Visit {
       std::size_t node;
@@ -158,7 +158,7 @@ class GltfReader {
     const int mode = primitive.has("mode") ? primitive.at("mode").integer(0, 6) : kTriangles;
     if (mode != kPoints && mode < kTriangles) return;  // lines
     const JsonNode attributes = primitive.at("attributes").object();
-    if (!attributes.has("POSITION")) return;  // glTF 2.0, 3.7.2.1: it is skipped
+    if (!attributes.has("POSITION")) return;  // glTF 2.0, 3.7.2.1: skip it
     const GltfAccessor positions = buffers_.accessor(attributes.at("POSITION"), "VEC3");
     std::optional<GltfAccessor> normals, indices;
     if (attributes.has("NORMAL")) {
@@ -200,17 +200,18 @@ class GltfReader {
     }
   }
 
-  /// Where a vertex went, if `part` is the one that is read: nothing has to be cleared in between.
+  /// Output index of a vertex, valid if `part` is the current part: nothing has to be cleared in
+  /// between.
   struct Place {
     std::uint64_t part = 0;
     std::uint32_t point = 0;
   };
 
-  /// A primitive on its way into the cloud.
+  /// A primitive to be added to the cloud.
   struct Part {
     const JsonNode& node;
     const Transform& transform;
-    bool as_is;  ///< the transform is none
+    bool as_is;  ///< the transform is the identity
     Eigen::Matrix3d normal_matrix;
     const GltfAccessor& positions;
     const std::optional<GltfAccessor>&normals, &indices;
@@ -221,8 +222,8 @@ class GltfReader {
     return part.indices ? part.indices->index(corner) : corner;
   }
 
-  /// Put the vertices of `count` corners into the cloud, each once and in their order: what many
-  /// primitives share is not gone through for each.
+  /// Add the vertices of `count` corners to the cloud, each once and in their order. Vertices
+  /// shared by many primitives are not traversed for each.
   void place_vertices(const Part& part, std::size_t count) {
     const std::size_t num_vertices = part.positions.size();
     places_.resize(std::max(places_.size(), num_vertices));
@@ -261,7 +262,7 @@ class GltfReader {
     add(normal.norm() > 0 ? normal.normalized() : normal, part.cloud.normals);
   }
 
-  /// The inverse transpose up to its length: the cofactors.
+  /// The inverse transpose up to a factor: the cofactors.
   static Eigen::Matrix3d normal_matrix(const Eigen::Matrix3d& m, bool mirrored) {
     Eigen::Matrix3d cofactors;
     cofactors << m.col(1).cross(m.col(2)), m.col(2).cross(m.col(0)), m.col(0).cross(m.col(1));
@@ -272,11 +273,11 @@ class GltfReader {
   const JsonNode& root_;
   GltfBuffers buffers_;
   std::vector<JsonNode> nodes_, meshes_;
-  std::vector<Place> places_;      ///< by the vertex of the part
-  std::vector<std::size_t> used_;  ///< vertices of the part
+  std::vector<Place> places_;      ///< output index by the vertex of the part
+  std::vector<std::size_t> used_;  ///< used vertices of the part
   std::uint64_t num_parts_ = 0, num_corners_ = 0;
   Cloud triangles_, loose_;
-  bool triangle_normals_ = true, loose_normals_ = true;  ///< all primitives have some
+  bool triangle_normals_ = true, loose_normals_ = true;  ///< all primitives have normals so far
 };
 
 }  // namespace

@@ -39,7 +39,7 @@ Scalar component_type(const JsonNode& accessor, bool is_index) {
   return found->type;
 }
 
-/// RFC 4648, section 4; none where there is another character. Padding may be absent.
+/// RFC 4648, section 4; empty if there is another character. Padding may be absent.
 std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   while (!text.empty() && text.back() == '=') text.remove_suffix(1);
   std::vector<std::byte> bytes;
@@ -60,7 +60,7 @@ std::optional<std::vector<std::byte>> decode_base64(std::string_view text) {
   return bytes;
 }
 
-/// %20 and the like, as URIs write them (RFC 3986, 2.1).
+/// Decode %20 and the like in URIs (RFC 3986, 2.1).
 std::string decode_percent(std::string_view text) {
   const auto digit = [](char c) -> int {
     if (c >= '0' && c <= '9') return c - '0';
@@ -77,7 +77,7 @@ std::string decode_percent(std::string_view text) {
   return out;
 }
 
-/// The file below the folder that a relative URI names; empty where it would lead out of it.
+/// The file below the folder that a relative URI names; empty if it leads out of the folder.
 std::filesystem::path file_below(const std::filesystem::path& folder, std::string_view uri) {
   namespace fs = std::filesystem;
   const std::string name = decode_percent(uri);
@@ -195,7 +195,7 @@ GltfAccessor GltfBuffers::accessor(const JsonNode& named, std::string_view type)
   const std::uint64_t stride =
       view.has("byteStride") ? length_of(view, "byteStride", static_cast<int>(element)) : element;
   const std::uint64_t first = length_of(accessor, "byteOffset", 0);
-  // Below 2^31 each: nothing overflows.
+  // Each is below 2^31: no overflow.
   if (first + (count - 1) * stride + element > length) {
     accessor.refuse(fmt::format(
         "expected {} elements of {} bytes within the {} bytes of its bufferView, which cannot hold "

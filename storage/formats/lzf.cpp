@@ -4,9 +4,9 @@
 
 namespace trivet::formats {
 
-// A control byte below 32 announces that many literal bytes and one more. Any other is a copy of
-// earlier output: its top three bits are the length less two (7: the next byte adds to it), the
-// other five and the next byte the distance less one.
+// A control byte below 32 is followed by that many literal bytes plus one. Any other is a copy of
+// earlier output: its top three bits are the length minus two (7: the next byte adds to it), the
+// other five and the next byte the distance minus one.
 bool decompress_lzf(std::span<const std::byte> in, std::span<std::byte> out) noexcept {
   std::size_t from = 0, to = 0;
   while (from < in.size()) {

@@ -29,7 +29,7 @@ bool is_empty(const ArrayView& array) {
          (array.num_dimensions == 3 && array.shape[2] == 0);
 }
 
-/// Refuse what no array in memory can be: places of numbers are then computed without overflow.
+/// Refuse impossible arrays, so that offsets of numbers can be computed without overflow.
 ///
 /// what   "points", "normals", ...
 Result<void> check_array(const Input& input, std::string_view what, const ArrayView& array) {
@@ -56,7 +56,7 @@ Result<void> check_array(const Input& input, std::string_view what, const ArrayV
     const std::uint64_t step =
         stride < 0 ? 0 - static_cast<std::uint64_t>(stride) : static_cast<std::uint64_t>(stride);
     const std::uint64_t steps = array.shape[d] - 1;
-    // Divided, as the product could overflow.
+    // Division, as the product could overflow.
     if (step > 0 && steps > left / step) {
       return refuse(
           fmt::format("expected an array that fits into memory, found {} with steps of {}"
@@ -122,7 +122,7 @@ Result<void> check_points(const Input& input, const ArrayView& xyz,
                                input.file.string(), shape_text(xyz), shape_text(*options.normals))};
     }
   }
-  // Divided, as the product could overflow.
+  // Division, as the product could overflow.
   const std::uint64_t rows = xyz.shape[0], columns = image ? xyz.shape[1] : 1;
   if (columns > 0 && rows > input.max_points() / columns) {
     return input.refuse(fmt::format("holds points of the shape {}, more than the limit of {}",

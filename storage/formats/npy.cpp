@@ -34,7 +34,7 @@ class Table {
     }
   }
 
-  /// Value `row * columns + column` of the array as C orders it.
+  /// Value `row * columns + column` of the array in C order.
   double value(std::size_t row, std::size_t column) const {
     std::uint64_t rest = row * columns_ + column, place = 0;
     for (std::size_t d = strides_.size(); d > 0; --d) {
@@ -54,7 +54,7 @@ class Table {
   std::vector<std::uint64_t> strides_;
 };
 
-/// Columns four to six must be directions, or none: colors stand there as well.
+/// Columns four to six must be directions or zero: they may also hold colors.
 Result<void> check_normal(const Input& input, const Eigen::Vector3d& normal, std::size_t row) {
   const double length = normal.norm();
   if (!std::isfinite(length) || length == 0 || std::abs(length - 1) < 0.1) return {};

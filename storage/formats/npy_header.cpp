@@ -16,7 +16,7 @@ using namespace std::string_view_literals;
 constexpr std::string_view kMagic = "\x93NUMPY"sv;
 constexpr std::size_t kMaxNpyHeader = 1 << 16, kMaxDimensions = 32;
 
-/// Python's literals, one after the other.
+/// Parser of consecutive Python literals.
 class Literals {
  public:
   explicit Literals(std::string_view text) : text_(text) {}
@@ -26,7 +26,7 @@ class Literals {
     skip_blanks();
     return at_ == text_.size();
   }
-  /// Whether this comes next; then it is behind us.
+  /// Whether this comes next; if so, skips it.
   bool take(std::string_view expected) {
     skip_blanks();
     if (!text_.substr(at_).starts_with(expected)) return false;
@@ -84,7 +84,7 @@ struct Entries {
   bool complete() const noexcept { return descr && fortran_order && shape; }
 };
 
-/// One entry of the dictionary, each key once. What stays incomplete is the caller's fault to name.
+/// Read one entry of the dictionary, each key once. The caller reports missing ones.
 bool read_entry(Literals& text, Entries& entries) {
   const auto key = text.string();
   if (!key || !text.take(":")) return false;
@@ -107,7 +107,7 @@ bool read_dictionary(Literals& text, Entries& entries) {
 }
 
 struct NamedType {
-  std::string_view name;  ///< behind the byte order
+  std::string_view name;  ///< type without the byte order
   Scalar type;
 };
 constexpr NamedType kTypes[] = {
@@ -134,7 +134,7 @@ Result<std::pair<Scalar, std::endian>> parse_type(const Input& input, std::strin
                   quote(descr)));
 }
 
-/// The text of the header, and where the array begins.
+/// The text of the header, and the start of the array.
 Result<std::pair<std::string_view, std::size_t>> find_header(const Input& input) {
   constexpr std::size_t kVersionBytes = 8;
   const std::string_view text = input.text();
@@ -165,7 +165,7 @@ Result<std::pair<std::string_view, std::size_t>> find_header(const Input& input)
   return std::pair(text.substr(begin, length), begin + length);
 }
 
-/// Whether the body is as long as type and shape say.
+/// Check the length of the body against type and shape.
 Result<void> check_length(const Input& input, const NpyHeader& header) {
   const std::uint64_t found = input.bytes.size() - header.body_begin;
   std::uint64_t expected = size_of(header.type);

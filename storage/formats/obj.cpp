@@ -24,8 +24,8 @@ struct Highest {
   }
 };
 
-/// What stands beside vertices, normals and faces. Of names: groups and looks. Of numbers: texture
-/// coordinates, points, lines, curves, and what describes curves and surfaces without being one.
+/// Keywords other than vertices, normals and faces. With names: groups and appearance. With
+/// numbers: texture coordinates, points, lines, curves, and attributes of curves and surfaces.
 constexpr std::string_view kNaming[] = {"g",      "o",      "usemtl",     "mtllib",
                                         "usemap", "maplib", "shadow_obj", "trace_obj"};
 constexpr std::string_view kNumbers[] = {
@@ -68,9 +68,9 @@ class ObjReader {
     if (key == "v") return read_vector(positions_);
     if (key == "vn") return read_vector(normals_);
     if (key == "f" || key == "fo") return read_face();
-    if (is_among(key, kNaming)) return {};  // a backslash at their end is one of a folder
+    if (is_among(key, kNaming)) return {};  // a backslash at their end is part of a path
     if (is_among(key, kNumbers)) {
-      while (!word().empty()) continue;  // to the end of the last line that continues them
+      while (!word().empty()) continue;  // skip to the end of the last continuation line
       return {};
     }
     if (is_among(key, kFreeForm)) {
@@ -83,8 +83,8 @@ class ObjReader {
                               quote(key)));
   }
 
-  /// The next word; empty at the end of the line and at a comment. A backslash at the end of a line,
-  /// also one behind a word, joins the next line.
+  /// The next word; empty at the end of the line and at a comment. A backslash at the end of a line
+  /// or word continues with the next line.
   std::string_view word() {
     for (;;) {
       if (std::exchange(continues_, false) && !cursor_.next_line()) return {};
@@ -114,7 +114,7 @@ class ObjReader {
     return {};
   }
 
-  /// Turn a 1-based or negative index into one from 0 on; -1 when it is none.
+  /// Convert a 1-based or negative index to 0-based; -1 if invalid.
   static std::int64_t resolve(std::string_view text, std::size_t count) {
     const std::int64_t index = parse_integer(text).value_or(0);
     if (index > std::numeric_limits<std::int32_t>::max()) return -1;
@@ -155,9 +155,9 @@ class ObjReader {
   Positions positions_, normals_;
   Cloud cloud_;
   Faces faces_;
-  bool continues_ = false;  // the line, on the next one
+  bool continues_ = false;  // the line continues on the next one
   Highest highest_;
-  bool paired_ = true;  // every corner has the normal with the index of its vertex
+  bool paired_ = true;  // every corner's normal has the index of its vertex
 };
 
 }  // namespace

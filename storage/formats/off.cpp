@@ -51,7 +51,7 @@ class OffText {
     while (found.empty() && next_line()) found = word();
     return found;
   }
-  /// How many lines from this one on have words.
+  /// Number of lines with words, from this one on.
   std::uint64_t count_lines() const {
     OffText ahead = *this;
     std::uint64_t count = 0;
@@ -67,13 +67,14 @@ class OffText {
   bool in_comment_ = false;
 };
 
-/// The formats' rule is numbers anywhere, and a face's color up to the end of its line. Most files
-/// have a vertex or face a line, and colors of vertices that no keyword announces. So the number of
+/// Formally, numbers may be anywhere, and a face's color extends to the end of its line. Most files
+/// have one vertex or face per line, and colors of vertices that no keyword announces. So the
+/// number of lines determines how a file is read.
 /// lines tells how a file is to be read.
 enum class Layout {
-  row_a_line,      ///< as many lines as rows: a row's numbers are on its line
-  rows_of_lines,   ///< more: a row may go over several lines, and ends with one
-  rows_of_numbers  ///< fewer: a row ends behind its last number
+  row_a_line,      ///< as many lines as rows: each row is on its own line
+  rows_of_lines,   ///< more: a row may span several lines and ends with one
+  rows_of_numbers  ///< fewer: a row ends after its last number
 };
 
 class OffReader {
@@ -83,7 +84,9 @@ class OffReader {
   Result<Cloud> read() {
     const auto first = text_.next_word();
     auto keyword = parse_keyword(first);
-    if (!keyword && read_count(first)) keyword = OffKeyword{.rest = first};  // is optional
+    if (!keyword && read_count(first))
+      keyword = OffKeyword{.rest = first};  // the keyword is
+                                            // optional
     if (!keyword) {
       return refuse(
           "a file that begins with OFF, COFF, NOFF or STOFF, of vertices with three coordinates",
@@ -135,7 +138,7 @@ class OffReader {
 
   Result<void> check_counts(std::uint64_t vertices, std::uint64_t faces) const {
     if (vertices > input_.max_points()) return input_.refuse_count(vertices);
-    // A vertex takes three digits and blanks, a face one.
+    // A vertex takes at least three digits and blanks, a face one.
     const std::size_t remaining = text_.cursor().remaining();
     if (vertices <= remaining / 5 && faces <= remaining / 2) return {};
     return input_.refuse(
@@ -144,12 +147,12 @@ class OffReader {
                     vertices, faces, remaining));
   }
 
-  /// The first word of a row, and the further ones.
+  /// The first word of a row, or a further one.
   std::string_view row_word(bool is_first) {
     return is_first || layout_ != Layout::row_a_line ? text_.next_word() : text_.word();
   }
 
-  /// What stands behind a row's numbers on its line.
+  /// Skip the rest of a line after a row's numbers.
   Result<void> end_row(std::string_view what, std::uint64_t most_numbers) {
     if (layout_ == Layout::rows_of_numbers) return {};
     std::uint64_t count = 0;
@@ -192,7 +195,7 @@ class OffReader {
     return {};
   }
 
-  /// The number of corners, the corners; a color may follow.
+  /// Read the number of corners and the corners; a color may follow.
   Result<void> read_faces(std::uint64_t count) {
     for (std::uint64_t i = 0; i < count; ++i) {
       const auto size_word = row_word(true);

@@ -23,7 +23,7 @@ class OffBinaryReader {
     if (!vertices || !faces || !edges) return refuse("the numbers of vertices, faces and edges");
     if (*vertices > input_.max_points()) return input_.refuse_count(*vertices);
     const std::size_t in_a_vertex = 3 + (keyword.has_normals ? 3 : 0) + keyword.num_others();
-    // A face takes at least the numbers of its corners and of its color's components.
+    // A face takes at least its number of corners and of color components.
     const std::uint64_t announced = (*vertices * in_a_vertex + *faces * 2) * kNumberBytes;
     if (announced > remaining()) {
       return input_.refuse(fmt::format(
@@ -48,7 +48,7 @@ class OffBinaryReader {
 
  private:
   std::size_t remaining() const noexcept { return input_.bytes.size() - at_; }
-  /// Speaks of the last integer.
+  /// Error at the last integer.
   Error refuse(std::string_view expected) const {
     return input_.refuse_byte(number_at_, fmt::format("expected {}, found {}", expected, found()));
   }
@@ -60,7 +60,7 @@ class OffBinaryReader {
                        load<std::int32_t>(input_.bytes.data() + number_at_, std::endian::big));
   }
 
-  /// The next integer; none below zero and at the end of the file.
+  /// The next integer; empty if negative or at the end of the file.
   std::optional<std::uint64_t> integer() {
     number_at_ = at_;
     if (remaining() < kNumberBytes) return {};
@@ -76,7 +76,7 @@ class OffBinaryReader {
     return v;
   }
 
-  /// Pre: the file holds them.
+  /// Pre: the file has enough bytes.
   void read_vertices(std::uint64_t count, std::size_t numbers_of_each, bool with_normals) {
     cloud_.points.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {

@@ -21,13 +21,13 @@
 namespace trivet::formats {
 namespace {
 
-/// A field that is wanted, and the column it goes to.
+/// A requested field and its destination column.
 struct Target {
   const PcdField* field;
   std::span<double> column;
 };
 
-/// One point a line.
+/// Read one point per line.
 Result<void> read_ascii(const Input& input, const PcdHeader& header,
                         std::span<const Target> targets) {
   std::vector<double*> column_of(header.point_columns, nullptr);
@@ -79,7 +79,7 @@ void read_binary(std::span<const std::byte> body, const PcdHeader& header,
   }
 }
 
-/// How a compressed body begins: an LZF stream of `packed` bytes follows, of all values of the
+/// Header of a compressed body: an LZF stream of `packed` bytes follows, with all values of the
 /// first field, then all of the second, and so on.
 struct CompressedSizes {
   static constexpr std::size_t kBytes = 8;
@@ -107,12 +107,11 @@ Result<void> read_compressed(const Input& input, const PcdHeader& header,
   return {};
 }
 
-/// PCL's colors: four bytes of which the three low ones are red, green and blue, said to be a whole
-/// number or, by custom, a float.
+/// PCL's colors: four bytes, the three low ones red, green and blue, declared as an integer or, by
+/// custom, a float.
 bool is_color(const PcdField& field) { return field.name == "rgb" || field.name == "rgba"; }
 
-/// The field that tells how bright points are. Of a color the bits are wanted, which a float could
-/// lose.
+/// The intensity field. A color is read as bits, which a float could lose.
 std::optional<PcdField> find_intensity(const PcdHeader& header) {
   const auto one = [](const PcdField& field) { return field.count == 1; };
   for (const PcdField& field : header.fields)
@@ -125,7 +124,7 @@ std::optional<PcdField> find_intensity(const PcdHeader& header) {
   return {};
 }
 
-/// Make brightness of colors that were read as numbers.
+/// Convert colors that were read as numbers to brightness.
 void unpack_colors(const PcdField& field, std::span<double> values) {
   for (double& value : values) {
     const bool is_whole = std::abs(value) < 0x1p32;
@@ -144,7 +143,7 @@ std::string names_of(const PcdHeader& header) {
   return names;
 }
 
-/// Whether the body can hold what the header announces, before memory is taken for it.
+/// Check that the body can hold the announced points, before memory is allocated for them.
 Result<void> check_body(const Input& input, const PcdHeader& header) {
   const auto body = input.bytes.subspan(header.body_begin);
   if (header.encoding == PcdEncoding::binary_compressed) {
@@ -159,7 +158,7 @@ Result<void> check_body(const Input& input, const PcdHeader& header) {
           fmt::format("expected {} compressed bytes, found {}; the file is truncated", sizes.packed,
                       body.size() - CompressedSizes::kBytes));
     }
-    // Divided, as the product could overflow.
+    // Division, as the product could overflow.
     if (sizes.unpacked / header.point_bytes != header.num_points ||
         sizes.unpacked % header.point_bytes != 0 || sizes.unpacked > sizes.packed * kMaxLzfRatio) {
       return input.refuse_byte(
@@ -169,7 +168,7 @@ Result<void> check_body(const Input& input, const PcdHeader& header) {
     }
     return {};
   }
-  // A value in text takes a digit and a blank.
+  // A text value takes at least a digit and a blank.
   const bool ascii = header.encoding == PcdEncoding::ascii;
   const std::uint64_t point_bytes = ascii ? 2 * header.point_columns : header.point_bytes;
   if (header.num_points > (body.size() + (ascii ? 1 : 0)) / point_bytes) {
@@ -237,7 +236,7 @@ Result<Cloud> read_pcd(const Input& input) {
                            Column<std::int32_t>(header.num_points)};
     std::iota(cloud.grid->point_index.begin(), cloud.grid->point_index.end(), 0);
   }
-  // Zero is what writers put when they do not know; for an organized cloud it is the camera.
+  // Zero means unknown for many writers; for an organized cloud it is the camera.
   if (organized || !header.viewpoint.isZero(0)) place_viewpoint(header.viewpoint, cloud);
   return cloud;
 }

@@ -31,7 +31,7 @@ std::optional<Scalar> scalar_of(std::string_view type, std::string_view size) {
   return {};
 }
 
-/// In any case: some writers put capitals.
+/// Ignores case: some writers use capitals.
 std::optional<PcdEncoding> pcd_encoding(std::string_view name) {
   const std::string lower = lower_case(name);
   if (lower == "ascii") return PcdEncoding::ascii;
@@ -40,7 +40,7 @@ std::optional<PcdEncoding> pcd_encoding(std::string_view name) {
   return {};
 }
 
-/// The words of the header's lines, as they stand there.
+/// The words of the header's lines, unparsed.
 struct Lines {
   std::vector<std::string_view> fields, sizes, types, counts, viewpoint;
   std::optional<std::int64_t> width, height, points;

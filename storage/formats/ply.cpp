@@ -16,8 +16,7 @@
 namespace trivet::formats {
 namespace {
 
-/// The values behind the header, one after the other, whatever the encoding. In text, each row of an
-/// element is a line.
+/// The values after the header, in any encoding. In text, each row of an element is a line.
 class PlyBody {
  public:
   PlyBody(const Input& input, const PlyHeader& header)
@@ -33,14 +32,14 @@ class PlyBody {
     check_stop_();
     row_begins_ = true;
   }
-  /// Of text: an error where the line goes on.
+  /// In text: an error if the line continues.
   Result<void> end_row(const PlyElement& element, std::uint64_t row) {
     const auto word = ascii_ ? text_.word() : std::string_view{};
     if (word.empty()) return {};
     fault_ = quote(word);
     return fault(element, row, "the end of the line behind the values that the header names");
   }
-  /// Of text: an error where more follows than the header announces.
+  /// In text: an error if more follows than the header announces.
   Result<void> end() {
     const auto word = ascii_ ? text_.next_word() : std::string_view{};
     if (word.empty()) return {};
@@ -50,7 +49,7 @@ class PlyBody {
                     quote(word)));
   }
 
-  /// False at the end of the file or where there is no number; fault() then says so.
+  /// False at the end of the file or without a number; fault() then describes it.
   bool read(Scalar type, double& value) {
     if (ascii_) {
       const auto word = row_begins_ ? text_.next_word() : text_.word();
@@ -71,8 +70,7 @@ class PlyBody {
     return true;
   }
 
-  /// Whether `count` rows of an element can be there: each value takes a byte and a blank, or its
-  /// size.
+  /// Whether `count` rows of an element fit: a value takes a byte and a blank in text, or its size.
   bool can_hold(const PlyElement& element) const noexcept {
     std::uint64_t row_bytes = 0;
     for (const auto& property : element.properties) {
@@ -135,7 +133,7 @@ Result<void> skip_property(PlyBody& body, const PlyElement& element, std::uint64
   return {};
 }
 
-/// Read the rows of an element; columns[p], where not null, takes the scalar property p.
+/// Read the rows of an element; columns[p], if not null, receives the scalar property p.
 Result<void> read_scalars(PlyBody& body, const PlyElement& element,
                           std::span<double* const> columns) {
   if (element.properties.empty()) return {};  // any number of rows without a byte
@@ -157,7 +155,7 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
 }
 
 /// Read the rows of an element with one list of vertex indices: begin(row, count), then take(value)
-/// for each, which says whether the value is good.
+/// for each, which returns whether the value is valid.
 template <class Begin, class Take>
 Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::size_t list,
                               Begin&& begin, Take&& take) {
@@ -188,7 +186,7 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
   return {};
 }
 
-/// Polygons.
+/// Read polygons.
 Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t list,
                         std::size_t num_vertices, Faces& faces) {
   return read_index_lists(
@@ -204,8 +202,8 @@ Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t li
       });
 }
 
-/// Strips: each vertex makes a triangle with the two before it, every second one turned round;
-/// -1 begins a new strip. Triangles with a repeated vertex only join strips and are left out.
+/// Read strips: each vertex forms a triangle with the two before it, every second one reversed; -1
+/// begins a new strip. Triangles with a repeated vertex only join strips and are dropped.
 Result<void> read_strips(PlyBody& body, const PlyElement& element, std::size_t list, Cloud& cloud) {
   std::uint32_t older = 0, newer = 0;
   std::uint64_t seen = 0;
@@ -234,7 +232,7 @@ Result<void> read_strips(PlyBody& body, const PlyElement& element, std::size_t l
       });
 }
 
-/// Stanford's range grid: for each pixel a list of no or one vertex.
+/// Read Stanford's range grid: for each pixel a list of no or one vertex.
 Result<void> read_range_grid(PlyBody& body, const PlyElement& element, std::size_t list,
                              const PlyHeader& header, Cloud& cloud) {
   if (header.num_rows > element.count || header.num_cols > element.count ||
@@ -263,7 +261,7 @@ Result<void> read_range_grid(PlyBody& body, const PlyElement& element, std::size
   return done;
 }
 
-/// The scalar properties of three names; none unless all are there.
+/// The scalar properties with three names; empty unless all are present.
 std::optional<std::array<std::size_t, 3>> find_three(const PlyElement& element,
                                                      const std::array<std::string_view, 3>& names) {
   std::array<std::size_t, 3> found{};
@@ -286,7 +284,7 @@ std::optional<std::size_t> find_intensity(const PlyElement& element) {
   return {};
 }
 
-/// Send three properties of an element to three columns, made as long as the element.
+/// Assign three columns, resized to the element, as destinations of three properties.
 void send(const std::array<std::size_t, 3>& properties, const PlyElement& element,
           Positions& positions, std::vector<double*>& columns) {
   positions.resize(element.count);
@@ -324,7 +322,7 @@ Result<void> read_vertices(PlyBody& body, const PlyElement& element, const Input
   return {};
 }
 
-/// PCL's camera element: where the sensor stood; all zero is what it writes when it does not know.
+/// Read PCL's camera element: the position of the sensor; all zero means unknown.
 Result<void> read_viewpoint(PlyBody& body, const PlyElement& element,
                             std::optional<Eigen::Vector3d>& viewpoint) {
   Positions found;
@@ -338,7 +336,7 @@ Result<void> read_viewpoint(PlyBody& body, const PlyElement& element,
   return done;
 }
 
-/// The list of vertex indices, under any of the names that writers give it.
+/// The list of vertex indices, under any of its usual names.
 std::optional<std::size_t> index_list_of(const PlyElement& element) {
   constexpr std::array<std::string_view, 4> kNames{"vertex_indices", "vertex_index",
                                                    "vertex_indexes", "vertices"};
@@ -360,7 +358,7 @@ std::string names_of(const PlyElement& element) {
   return names.empty() ? "no property" : names;
 }
 
-/// What is made of an element other than the vertices: triangles, a grid, the sensor or nothing.
+/// Use of an element other than the vertices: triangles, a grid, the sensor or none.
 enum class Role { other, camera, face, tristrips, range_grid };
 
 Role role_of(const PlyElement& element) {
@@ -380,7 +378,7 @@ Result<void> check_room(const PlyBody& body, const PlyElement& element) {
                   element.count, quote(element.name)));
 }
 
-/// What the elements of a file give.
+/// Contents of a file's elements.
 struct PlyContent {
   Cloud cloud;
   Faces faces;
@@ -417,7 +415,7 @@ Result<Cloud> read_ply(const Input& input) {
   PlyContent content;
   Cloud& cloud = content.cloud;
   PlyBody body(input, header);
-  // Faces may come before the vertices that they name.
+  // Faces may precede their vertices.
   TRIVET_TRY(check_room(body, *vertex));
   if (vertex->count > input.max_points()) return input.refuse_count(vertex->count);
   cloud.points.resize(vertex->count);

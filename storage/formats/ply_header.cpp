@@ -33,7 +33,7 @@ std::optional<PlyEncoding> ply_encoding(std::string_view name) noexcept {
   return {};
 }
 
-/// The words behind "property"; none when they make no property.
+/// Parse the words after "property"; empty if invalid.
 std::optional<PlyProperty> parse_property(TextCursor& cursor) {
   PlyProperty property;
   std::string_view type = cursor.word();

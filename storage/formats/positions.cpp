@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The box around the finite ones.
+/// The bounding box of the finite positions.
 Eigen::AlignedBox3d box_of(const Positions& positions) {
   Eigen::AlignedBox3d box;
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -21,7 +21,7 @@ Eigen::AlignedBox3d box_of(const Positions& positions) {
   return box;
 }
 
-/// Zero on the axes where floats hold the positions well enough.
+/// Zero along axes where floats are precise enough.
 Vector3d choose_offset(const Eigen::AlignedBox3d& box) {
   const double extent = box.sizes().maxCoeff();
   Vector3d offset = Vector3d::Zero();

@@ -33,7 +33,7 @@ Camera camera_of(const JsonNode& root, std::optional<int> image_id) {
       "that is the image's name, as in 000003.png, or --image-id");
 }
 
-/// What cam_K.txt and its like hold: all words of a short text, if these are numbers.
+/// Contents of cam_K.txt and the like: all words of a short text, if these are numbers.
 std::vector<double> numbers_of(std::string_view text) {
   constexpr std::size_t kMost = 16;
   std::vector<double> numbers;
@@ -46,7 +46,7 @@ std::vector<double> numbers_of(std::string_view text) {
   return numbers;
 }
 
-/// Nine numbers of a matrix by rows, or fx fy cx cy, walked over as the JSON that says the same.
+/// Convert nine matrix numbers by rows, or fx fy cx cy, to JSON and parse it.
 Result<Camera> camera_of_numbers(const std::vector<double>& numbers, const std::string& name) {
   const bool finite = std::ranges::all_of(numbers, [](double x) { return std::isfinite(x); });
   if ((numbers.size() != 9 && numbers.size() != 4) || !finite) {
@@ -65,7 +65,7 @@ Result<Camera> camera_of_numbers(const std::vector<double>& numbers, const std::
   return camera;
 }
 
-/// A file of ROS's calibrations is YAML, whose names stand before colons.
+/// ROS calibration files are YAML, with names before colons.
 bool is_yaml(std::string_view text) {
   const auto says = [&](std::string_view name) {
     return text.find(name) != std::string_view::npos;

@@ -25,15 +25,15 @@ using namespace std::string_view_literals;
 struct Format {
   std::string_view extension;
   Result<Cloud> (*read)(const formats::Input&);
-  std::string_view begin;  ///< of every such file; empty: nothing tells the format
+  std::string_view begin;  ///< first bytes of every such file; empty: format not recognizable
   bool holds_clouds = true, holds_depths = false;
-  std::string_view looks{};  ///< the extension of what its files look like, if that is another one
+  std::string_view looks{};  ///< extension of the recognized appearance, if different
 };
 
 #ifdef TRIVET_BUILD_STEP
 constexpr bool kReadsStep = true;
 #else
-constexpr bool kReadsStep = false;  // folders are not refused for one
+constexpr bool kReadsStep = false;  // folders are not refused because of such files
 #endif
 
 constexpr Format kFormats[] = {
@@ -51,21 +51,20 @@ constexpr Format kFormats[] = {
     {"glb", formats::read_gltf, "glTF"},
     {"gltf", formats::read_gltf, {}, true, false, "json"},
     {"png", formats::read_depth_png, "\x89PNG"sv, false, true},
-    {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},  // least significant byte first
-    {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true,
-     "tif"},  // most significant byte first
+    {"tif", formats::read_depth_tiff, "II*\0"sv, false, true},          // little-endian
+    {"tiff", formats::read_depth_tiff, "MM\0*"sv, false, true, "tif"},  // big-endian
     {"step", formats::read_step, "ISO-10303-21", kReadsStep},
     {"stp", formats::read_step, {}, kReadsStep, false, "step"},
 };
 
 constexpr auto kExtensions = [] {
-  constexpr std::size_t kFromFilesOnly = 2;  // STEP, the last ones
+  constexpr std::size_t kFromFilesOnly = 2;  // STEP, listed last
   std::array<std::string_view, std::size(kFormats) - kFromFilesOnly> extensions;
   for (std::size_t f = 0; f < extensions.size(); ++f) extensions[f] = kFormats[f].extension;
   return extensions;
 }();
 
-/// In lower case, with its dot.
+/// The extension in lower case, with its dot.
 std::string extension_of(const std::filesystem::path& file) {
   return formats::lower_case(file.extension().string());
 }
@@ -84,8 +83,7 @@ const Format* format_by_name(const std::filesystem::path& file) {
   return extension.empty() ? nullptr : find_format(std::string_view(extension).substr(1));
 }
 
-/// A file that is plainly something else is refused as what it is, not by the first of its bytes
-/// that is out of place.
+/// If the file is evidently of another kind, report that kind instead of the first misplaced byte.
 Error explain(Error error, const Format& format, const formats::Input& input) {
   const formats::Appearance found = formats::looks_like(input.bytes);
   const std::string_view looks = format.looks.empty() ? format.extension : format.looks;

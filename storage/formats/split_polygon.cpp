@@ -12,8 +12,8 @@ namespace {
 
 using Corner = SplitScratch::Corner;
 
-/// A fan covers its polygon if its triangles' areas add up to the polygon's, within this share: six
-/// digits of a coordinate are what text files keep.
+/// A fan covers its polygon if its triangles' areas add up to the polygon's, within this share.
+/// Text files keep about six digits of a coordinate.
 constexpr double kFanExcess = 1e-6;
 
 /// Twice the signed area of a triangle.
@@ -21,9 +21,9 @@ double area_of(const Corner& a, const Corner& b, const Corner& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Lay the polygon into the plane, counterclockwise; gives twice its area. Of the three axes the one
-/// nearest to its normal is left out: in the other two, corners that coincide or lie in line along
-/// an axis do so exactly. Normal: Newell's sum over the edges.
+/// Project the polygon to the plane, counterclockwise; returns twice its area. Drops the axis
+/// nearest to its normal: in the other two, corners that coincide or are aligned with an axis
+/// remain exactly so. Normal: Newell's sum over the edges.
 double lay_out(PointsView points, std::span<const std::uint32_t> indices,
                std::vector<Corner>& corners) {
   const Eigen::Vector3d first = points[indices[0]].cast<double>();
@@ -46,7 +46,7 @@ double lay_out(PointsView points, std::span<const std::uint32_t> indices,
   return std::abs(normal[dropped]);
 }
 
-/// What the triangles' areas add up to, twice, whichever way they face.
+/// Twice the sum of the triangles' unsigned areas.
 double covered_area(std::span<const Corner> corners, std::span<const CornerTriangle> triangles) {
   double sum = 0;
   for (const CornerTriangle& t : triangles) {
@@ -60,7 +60,7 @@ void fan(std::span<CornerTriangle> out) {
 }
 
 /// Cuts corners off an outline until a triangle is left. The triangles' signed areas always add up
-/// to the polygon's, so they cover it exactly if none is turned over.
+/// to the polygon's, so they cover it exactly if none is inverted.
 class EarClipper {
  public:
   EarClipper(SplitScratch& scratch, std::uint64_t& steps)
@@ -72,9 +72,10 @@ class EarClipper {
     grid_.fill(std::span<const Corner>(corners_));
   }
 
-  /// False when the steps did not suffice.
+  /// False if the steps did not suffice.
   bool clip(std::span<CornerTriangle> out) {
-    // Numerical degeneracy and outlines that cross themselves can leave no ear: then less is asked.
+    // Numerical degeneracy and self-intersecting outlines may leave no ear: then the criterion is
+    // relaxed.
     for (const Demand demand : {Demand::ear, Demand::rounded_ear, Demand::convex, Demand::none}) {
       if (!clip_while(demand, out)) return false;
     }
@@ -84,9 +85,9 @@ class EarClipper {
 
  private:
   enum class Demand {
-    ear,          ///< a triangle with no other corner in it, or no area by exact arithmetic
-    rounded_ear,  ///< the same within the rounding of the coordinates
-    convex,       ///< a triangle that is not turned over
+    ear,          ///< a triangle with no other corner in it, or exactly zero area
+    rounded_ear,  ///< an ear within the rounding of the coordinates
+    convex,       ///< a triangle that is not inverted
     none
   };
 
@@ -95,8 +96,8 @@ class EarClipper {
     for (std::uint32_t i = 0; i < corners_.size(); ++i) {
       if (!corners_[i].is_cut) waiting_.push_back(i);
     }
-    // First come, first served: neighbors in turn would make slivers. A cut changes its neighbors
-    // alone, so only these are asked again.
+    // First in, first out: cutting adjacent corners in sequence would make slivers. A cut changes
+    // only its neighbors, so only these are tested again.
     for (std::size_t k = 0; k < waiting_.size() && cut_ < out.size(); ++k) {
       const std::uint32_t tip = waiting_[k];
       if (corners_[tip].is_cut || !meets(demand, tip)) continue;
@@ -144,15 +145,15 @@ class EarClipper {
 
   static bool same_place(const Corner& a, const Corner& b) { return a.x == b.x && a.y == b.y; }
 
-  /// Whether corners in line repeat a place or run back the way they came, as bridges do whose hole
-  /// is filled; else they pass straight on.
+  /// Whether collinear corners repeat a position or reverse direction, as bridges do after their
+  /// hole is filled; otherwise they continue straight.
   static bool turns_back(const Corner& a, const Corner& b, const Corner& c) {
     return (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y) >= 0;
   }
 
-  /// Whether no corner lies in the triangle of this tip, by more than `margin` where that is above
-  /// zero. If any does, a reflex one does. Those at the triangle's own corners are the other ends of
-  /// bridges and do not count.
+  /// Whether no corner lies in the triangle of this tip, by more than `margin` if that is above
+  /// zero. If any does, a reflex one does. Corners at the triangle's own corners are the other ends
+  /// of bridges and do not count.
   bool is_empty(std::uint32_t tip, double margin) {
     const Corner& b = corners_[tip];
     const Corner &a = corners_[b.previous], &c = corners_[b.next];
@@ -195,7 +196,7 @@ bool split_polygon(PointsView points, std::span<const std::uint32_t> corners, Sp
   const double area = lay_out(points, corners, scratch.corners);
   fan(out);
   const double of_fan = covered_area(scratch.corners, out);
-  // Also without area, and with corners that are not finite.
+  // True also without area and for non-finite corners.
   if (!(of_fan > (1 + kFanExcess) * area)) return true;
 
   const bool sufficed = EarClipper(scratch, steps).clip(out);

@@ -28,8 +28,8 @@
 namespace trivet::formats {
 namespace {
 
-constexpr double kChordShare = 1e-3;  ///< between surface and triangles, of the part's diagonal
-constexpr double kAngle = 0.2;        ///< between neighboring triangles of a curved face [rad]
+constexpr double kChordShare = 1e-3;  ///< deviation of triangles, relative to the part's diagonal
+constexpr double kAngle = 0.2;  ///< angle between neighboring triangles of a curved face [rad]
 
 /// The file's shapes as one, in millimeters.
 Result<TopoDS_Shape> read_shape(const Input& input) {
@@ -45,7 +45,7 @@ Result<TopoDS_Shape> read_shape(const Input& input) {
   return shape;
 }
 
-/// Cut the faces into triangles no farther from them than a share of the shape's size.
+/// Tessellate the faces with a deviation relative to the shape's size.
 Result<void> tessellate(const Input& input, const TopoDS_Shape& shape) {
   Bnd_Box box;
   BRepBndLib::Add(shape, box);
@@ -104,10 +104,10 @@ Result<Cloud> read_faces(const Input& input) {
 }  // namespace
 
 Result<Cloud> read_step(const Input& input) {
-  // OpenCASCADE is not made for what strangers send.
+  // OpenCASCADE is not safe for untrusted input.
   if (!input.folder)
     return input.refuse("STEP is read from files only; export it as glTF (.glb), PLY or STL");
-  static std::mutex one_at_a_time;  // its readers share settings
+  static std::mutex one_at_a_time;  // OpenCASCADE's readers share settings
   const std::lock_guard lock(one_at_a_time);
   try {
     return read_faces(input);

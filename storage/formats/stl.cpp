@@ -24,14 +24,14 @@ std::uint64_t announced_facets(const Input& input) {
   return load<std::uint32_t>(input.bytes.data() + 80, std::endian::little);
 }
 
-/// Whether the size is the one that a binary file announces. How it begins says nothing: binary
+/// Whether the size matches the count of a binary file. The first bytes are no evidence: binary
 /// files may begin with "solid" as well. As text, the four bytes would announce over 10 GB.
 bool is_binary(const Input& input) {
   return input.bytes.size() >= kPreambleBytes &&
          input.bytes.size() == kPreambleBytes + kFacetBytes * announced_facets(input);
 }
 
-/// Whether it is no text: such a file is a binary one of another size than it announces.
+/// Whether it is not text: such a file is a binary one with a wrong size.
 bool is_damaged_binary(const Input& input) {
   return input.bytes.size() >= kPreambleBytes &&
          input.text().substr(0, kPreambleBytes + kFacetBytes).find('\0') != std::string_view::npos;
@@ -48,14 +48,14 @@ Error refuse_size(const Input& input) {
                   size < announced ? "truncated" : "damaged, or something else"));
 }
 
-/// Corners, three a triangle.
+/// Read corners, three per triangle.
 Result<Positions> read_binary(const Input& input) {
   const std::size_t facets = (input.bytes.size() - kPreambleBytes) / kFacetBytes;
   if (3 * facets > input.max_points()) return input.refuse_count(3 * facets);
   Positions corners;
   corners.resize(3 * facets);
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    // A facet is its normal, three corners and two spare bytes.
+    // A facet has its normal, three corners and two spare bytes.
     const std::byte* const from =
         input.bytes.data() + kPreambleBytes + (i / 3) * kFacetBytes + 12 + (i % 3) * 12;
     corners.x[i] = load<float>(from, std::endian::little);
@@ -65,7 +65,7 @@ Result<Positions> read_binary(const Input& input) {
   return corners;
 }
 
-/// Text; its words may be in capitals, its last line may be missing.
+/// Reads text; its words may be in capitals, its last line may be missing.
 class TextReader {
  public:
   explicit TextReader(const Input& input) : input_(input), cursor_(input.text()) {}
@@ -95,7 +95,7 @@ class TextReader {
       return refuse("\"endfacet\"", quote(word));
     if (bounds_solid) {
       inside_solid_ = key == "solid";
-      skip(std::numeric_limits<std::size_t>::max());  // its name
+      skip(std::numeric_limits<std::size_t>::max());  // the name
     } else if (key == "facet") {
       inside_facet_ = true;
       corners_before_ = corners_.size();
@@ -135,13 +135,13 @@ class TextReader {
   const Input& input_;
   TextCursor cursor_;
   Positions corners_;
-  std::size_t corners_before_ = 0;  // the facet
+  std::size_t corners_before_ = 0;  // number of corners before the current facet
   bool inside_solid_ = false, inside_facet_ = false;
 };
 
-/// Make corners at equal coordinates one point, numbered by first appearance.
+/// Merge corners at equal coordinates into one point, numbered by first appearance.
 Cloud weld(PointsView corners) {
-  // Compared as bits, since not-a-number has no order; zero and minus zero are one place.
+  // Compared as bits, since NaN has no order; zero and minus zero are the same position.
   const auto key = [&](std::uint32_t i) {
     const auto bits = [](float value) {
       return std::bit_cast<std::uint32_t>(value == 0 ? 0.0F : value);
@@ -161,7 +161,7 @@ Cloud weld(PointsView corners) {
     return key(i) < key(j);
   });
 
-  // The first corner at each place stands for it; in corner order it comes before the others.
+  // The first corner at each position represents it; in corner order it precedes the others.
   std::vector<std::uint32_t> first(corners.size()), point(corners.size());
   for (std::size_t s = 0; s < order.size(); ++s) {
     const bool again = s > 0 && same_place(order[s - 1], order[s]);

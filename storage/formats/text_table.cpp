@@ -18,7 +18,7 @@ std::string_view trim(std::string_view text, std::string_view around = kBlanks) 
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// Whether one comma stands in the word, between digits or behind none, and no point.
+/// Whether the word has one comma, between digits or at the start, and no point.
 bool has_decimal_comma(std::string_view word) {
   const std::size_t comma = word.find(',');
   return comma != word.npos && comma + 1 < word.size() && is_digit(word[comma + 1]) &&

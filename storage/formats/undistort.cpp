@@ -7,8 +7,8 @@
 namespace trivet::formats {
 namespace {
 
-/// Pixels that differ by more are two surfaces: in distances of neighboring pixels, a slope of 72
-/// degrees.
+/// Pixels with a larger depth difference are two surfaces: in distances of neighboring pixels, a
+/// slope of 72 degrees.
 constexpr double kSteepest = 3;
 
 class Sampler {
@@ -41,7 +41,7 @@ class Sampler {
 
   std::span<const float> raw_;
   std::uint32_t width_, height_;
-  double steepest_;  ///< as a share of the depth
+  double steepest_;  ///< relative to the depth
 };
 
 }  // namespace
@@ -54,7 +54,7 @@ std::optional<std::pair<double, double>> distort(const LensDistortion& lens, dou
   const double above_slope = k1 + s * (2 * k2 + s * 3 * k3),
                below_slope = k4 + s * (2 * k5 + s * 3 * k6);
   const double scale = above / below;
-  // The radius r * scale(r^2) must grow with r.
+  // The radius r * scale(r^2) must increase with r.
   const double growth = scale + 2 * s * (above_slope - scale * below_slope) / below;
   if (!(below > 0) || !(growth > 0)) return std::nullopt;
   return std::pair{x * scale + 2 * p1 * x * y + p2 * (s + 2 * x * x),

@@ -6,7 +6,7 @@
 namespace trivet {
 namespace {
 
-constexpr double kLowest = 1e-6;  // height beside the longest side
+constexpr double kLowest = 1e-6;  // smallest ratio of height to the longest side
 
 bool has_area(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
   const Eigen::Vector3d ab = b - a, ac = c - a;

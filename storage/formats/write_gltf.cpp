@@ -18,13 +18,13 @@ using formats::append;
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMaxBytes =
-    0x7FFF'0000;  // of the parts; many readers count no further than 2 GiB
+    0x7FFF'0000;  // limit for the parts; many readers are limited to 2 GiB
 
 enum ComponentType { kUnsignedInt = 5125, kFloat = 5126 };
 enum Target { kVertices = 34962, kIndices = 34963 };
 enum Mode { kPoints = 0, kTriangles = 4 };
 
-/// The binary chunk, and what the document says of its parts.
+/// The binary chunk, and its description in the document.
 class Buffer {
  public:
   void add(PointsView vectors, bool bounded) {

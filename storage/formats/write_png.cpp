@@ -15,7 +15,7 @@
 namespace trivet {
 namespace {
 
-/// What libpng's callbacks see.
+/// State of libpng's callbacks.
 struct Sink {
   std::vector<std::byte> bytes;
   std::array<char, 128> fault{};
@@ -36,7 +36,7 @@ void on_write(png_structp png, png_bytep data, std::size_t count) {
     const auto* const begin = reinterpret_cast<const std::byte*>(data);
     sink.bytes.insert(sink.bytes.end(), begin, begin + count);
   } catch (const std::bad_alloc&) {
-    fits = false;  // not thrown on: libpng is C
+    fits = false;  // exceptions must not pass through C
   }
   if (!fits) png_error(png, kOutOfMemory);
 }
@@ -50,7 +50,7 @@ struct Rows {
   std::size_t stride;  // bytes
 };
 
-/// libpng leaves by longjmp: nothing here may own anything.
+/// libpng exits by longjmp, so nothing here may own resources.
 bool encode(const Rows& rows, Sink& sink) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, on_error, on_warning);
   png_infop info = png ? png_create_info_struct(png) : nullptr;

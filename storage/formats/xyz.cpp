@@ -22,7 +22,7 @@ namespace {
 
 using Three = std::array<std::size_t, 3>;
 
-/// Where the coordinates stand, and what else is wanted.
+/// Indices of the coordinates and other requested columns.
 struct Columns {
   std::size_t count = 0;
   Three position{0, 1, 2};
@@ -31,10 +31,10 @@ struct Columns {
   bool named = false;
 };
 
-/// Whether the points whose normal is an axis lie flat across it.
+/// Whether points with axis-aligned normals lie on planes perpendicular to them.
 bool are_faces(PointsView points, NormalsView normals) {
   constexpr std::size_t kFewest = 3;
-  constexpr float kFlat = 0.01F;  // of the extent of all points
+  constexpr float kFlat = 0.01F;  // relative to the extent of all points
   using Extent = Eigen::AlignedBox3f;
   Extent all;
   std::array<Extent, 3> faces;
@@ -55,8 +55,8 @@ bool are_faces(PointsView points, NormalsView normals) {
   return counts[0] + counts[1] + counts[2] > 0;
 }
 
-/// Whether columns four to six are directions: colors and intensities stand there as well. Values
-/// that are all zero or one may be both; they are directions of flat faces.
+/// Whether columns four to six are directions: they may also hold colors and intensities. Values
+/// that are all zero or one may be either; they are directions for flat faces.
 bool are_directions(PointsView points, NormalsView normals) {
   bool all_bits = true;
   for (std::size_t i = 0; i < normals.size(); ++i) {
@@ -74,7 +74,7 @@ constexpr std::array<Names, 3> kNormals{Names{"nx", "ny", "nz"},
                                         Names{"normal_x", "normal_y", "normal_z"},
                                         Names{"normalx", "normaly", "normalz"}};
 
-/// Where a comment begins behind `from`: at a # in front of which no word stands, or at //.
+/// Start of a comment after `from`: a # without a word before it, or //.
 std::size_t comment_at(std::string_view line, std::size_t from) {
   if (line.substr(from, 2) == "//") return from;
   for (std::size_t at = line.find('#', from); at != line.npos; at = line.find('#', at + 1)) {
@@ -98,7 +98,7 @@ class XyzReader {
     place(std::move(positions_), input_, cloud);
     const Column<float> colors = input_.options.intensity ? brightness(normals_) : Column<float>{};
     cloud.normals = round_to_floats(std::move(normals_));
-    // Without names, columns four to six may as well be colors, and the fourth an intensity.
+    // Without names, columns four to six may also be colors, and the fourth an intensity.
     const bool directed = columns_.named || are_directions(cloud.points, cloud.normals);
     if (!directed) cloud.normals = {};
     if (columns_.intensity && (columns_.named || !directed))
@@ -111,7 +111,7 @@ class XyzReader {
  private:
   Error refuse(std::string_view what) const { return input_.refuse_line(cursor_.line(), what); }
 
-  /// The next line that is neither blank nor a comment; false at the end.
+  /// Go to the next line that is neither blank nor a comment; false at the end.
   bool next_row() {
     while (!began_ || cursor_.next_line()) {
       began_ = true;
@@ -126,11 +126,12 @@ class XyzReader {
     return false;
   }
 
-  /// A line of one whole number: how many points follow.
+  /// Whether the line is a single integer, the number of points.
   bool is_count() const {
     return fields_.size() == 1 && parse_integer(fields_[0]).value_or(-1) >= 0;
   }
-  /// A line of words; one that begins with a word but goes on with numbers is a row gone wrong.
+  /// Whether the line is a header of words; a row that begins with a word but continues with
+  /// numbers is invalid.
   bool is_header() const {
     const auto is_number = [&](std::size_t i) {
       return i < fields_.size() && parse_column(fields_[i], delimiter_);
@@ -154,7 +155,7 @@ class XyzReader {
         fmt::format("expected {} points as this line says, found {}", *announced_, found));
   }
 
-  /// Go to the first point, over a header and the number of points, in any order.
+  /// Skip a header and the number of points, in any order, to the first point.
   Result<void> read_head() {
     std::string_view header;
     std::size_t header_line = 0;
@@ -178,10 +179,10 @@ class XyzReader {
     if (columns_.count < 3)
       return refuse(fmt::format("expected three numbers x y z, found {}", quote(row_)));
     if (columns_.count >= 6) columns_.normal = {3, 4, 5};
-    // As of PTS: x y z intensity, then a color.
+    // PTS format: x y z intensity, then a color.
     if (columns_.count == 4 || columns_.count == 7) set_intensity(3);
     if (take_names(names) || header_line == 0) return {};
-    // Titles are no names; neither does it matter how three columns are called.
+    // Titles are not column names, and three columns need no names.
     const bool are_names = delimiter_ != Delimiter::blanks && names.size() == columns_.count;
     const auto position = find_names(names, kPosition);
     if (position ? *position == std::vector<std::size_t>{0, 1, 2}
@@ -193,7 +194,7 @@ class XyzReader {
                     columns_.count, quote(header)));
   }
 
-  /// Whether the names tell where the coordinates are.
+  /// Whether the names identify the coordinates.
   bool take_names(std::span<const std::string> names) {
     const auto position = find_names(names, kPosition);
     if (names.size() != columns_.count || !position) return false;
@@ -221,7 +222,7 @@ class XyzReader {
                               first_line_, fields_.size()));
   }
 
-  /// Files write decimals with points or with commas; both in one file are groups of digits.
+  /// Files use decimal points or decimal commas; both in one file are digit groups.
   Result<void> check_mark(std::string_view field) {
     const auto at = field.find_first_of(delimiter_ == Delimiter::commas ? "." : ".,");
     if (at == field.npos) return {};
@@ -248,7 +249,7 @@ class XyzReader {
   }
 
   Result<void> read_point() {
-    // A delimiter behind the last column makes no column.
+    // A delimiter after the last column adds no column.
     if (fields_.size() == columns_.count + 1 && fields_.back().empty()) fields_.pop_back();
     if (fields_.size() != columns_.count) return refuse_width();
     if (positions_.size() == input_.max_points()) return input_.refuse_count(positions_.size() + 1);
@@ -279,9 +280,9 @@ class XyzReader {
   Delimiter delimiter_ = Delimiter::blanks;
   std::vector<std::string_view> fields_;
   std::string_view row_;
-  std::vector<std::string> comment_names_;  // of a comment before the points
+  std::vector<std::string> comment_names_;  // names in a comment before the points
   bool began_ = false, has_row_ = false;
-  char mark_ = 0;  // of decimals, once seen
+  char mark_ = 0;  // decimal mark, once seen
   std::size_t first_line_ = 0, announced_line_ = 0, block_begin_ = 0;
   std::optional<std::int64_t> announced_;
 };
