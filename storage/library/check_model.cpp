@@ -1,4 +1,4 @@
-// What a model must be for recognition to use it without further checks.
+// Invariants of a model that recognition uses without further checks.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,14 +14,15 @@
 namespace trivet::format {
 namespace {
 
-constexpr float kUnitTolerance = 1e-3F;  // of the squared length; float rounding stays below 1e-6
+constexpr float kUnitTolerance = 1e-3F;  // tolerance of the squared length; float rounding stays
+                                         // below 1e-6
 
 bool finite(const Eigen::Vector3f& v) noexcept { return v.allFinite(); }
 bool unit(const Eigen::Vector3f& v) noexcept {
   return std::abs(v.squaredNorm() - 1) <= kUnitTolerance;
 }
 
-/// Each check gives an empty text, or what is wrong and where.
+/// Each check returns an empty text, or the fault and its position.
 std::string check_rows(std::string_view name, PointsView rows,
                        bool (*good)(const Eigen::Vector3f&) noexcept, std::string_view expected) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -109,13 +110,13 @@ std::string check_triangles(const Model& model) {
   return {};
 }
 
-/// Of the table: what its cells are.
+/// Check the quantization of the table.
 std::string check_quantization(const PpfQuantization& q, bool has_columns) {
-  if (q == PpfQuantization{} && !has_columns) return {};  // trained without
+  if (q == PpfQuantization{} && !has_columns) return {};  // trained without pairs
   if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
     return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);
   }
-  if (q.num_distance_bins == 0 && !has_columns) return {};  // trained without: the step stays
+  if (q.num_distance_bins == 0 && !has_columns) return {};  // trained without pairs: the step stays
   constexpr std::uint32_t kMaxBins = 65536;
   const double num_cells =
       static_cast<double>(q.num_distance_bins) * std::pow(static_cast<double>(q.num_angle_bins), 3);
@@ -131,16 +132,15 @@ bool has_columns(const PpfTableView& table) noexcept {
   return !table.offsets.empty() || !table.entries.empty();
 }
 
-/// Whether an entry comes before the one that it stands behind: its order is that of (reference,
-/// angle).
+/// Whether an entry precedes the one before it in the order of (reference, angle).
 bool falls_before(std::span<const PpfEntry> entries, std::size_t i) {
   const std::uint32_t before = std::uint32_t{entries[i - 1].reference} << 16 | entries[i - 1].angle;
   const std::uint32_t here = std::uint32_t{entries[i].reference} << 16 | entries[i].angle;
   return here < before;
 }
 
-/// Whether all references exist and each cell is sorted. Entries fall only where a cell begins, so
-/// that all are compared in one go, whatever the cells.
+/// Whether all references exist and each cell is sorted. The order may decrease only at the start
+/// of a cell, so that all entries are compared in one pass, independently of the cells.
 TRIVET_SIMD_CLONES
 bool entries_in_order(std::span<const PpfEntry> entries, std::span<const std::uint32_t> starts,
                       std::size_t num_references) {
@@ -151,7 +151,7 @@ bool entries_in_order(std::span<const PpfEntry> entries, std::span<const std::ui
   for (std::size_t i = 1; i < n; ++i) num_falls += falls_before(entries, i) ? 1 : 0;
   std::uint32_t last = 0;
   for (const std::uint32_t start : starts) {
-    if (start == last || start >= n) continue;  // also of empty cells
+    if (start == last || start >= n) continue;  // also for empty cells
     num_at_starts += falls_before(entries, start) ? 1 : 0;
     last = start;
   }
@@ -160,7 +160,7 @@ bool entries_in_order(std::span<const PpfEntry> entries, std::span<const std::ui
 
 std::string check_table(const PpfTableView& table, std::size_t num_points) {
   const PpfQuantization& q = table.quantization;
-  if (q.num_distance_bins == 0 && !has_columns(table)) return {};  // trained without
+  if (q.num_distance_bins == 0 && !has_columns(table)) return {};  // trained without pairs
   if (num_points > 65536)
     return fmt::format("ppf/points: expected at most 65536, found {}", num_points);
   if (table.num_references > num_points) {
@@ -231,7 +231,7 @@ std::string check_features(std::string_view group, const TriSpinFeatures& featur
   return {};
 }
 
-/// The first fault that a check finds among the features of a model.
+/// The first fault that a check finds in the features of a model.
 template <class Check>
 std::string at_each_scale(const Model& model, Check&& check) {
   for (std::size_t k = 0; k < model.features.size(); ++k) {
@@ -249,7 +249,7 @@ std::string check_numbers(std::string_view name, std::span<const float> numbers)
   return {};
 }
 
-/// Without a view no sample is ever looked for, and the model never found.
+/// Without any view, no sample would ever be tested, and the model never be found.
 std::string check_views(const Model& model) {
   const std::span<const ViewMask> views = model.sample_views;
   std::string wrong = check_length("sample_views", views.size(), model.samples.size());

@@ -9,7 +9,7 @@
 namespace trivet {
 namespace {
 
-/// Bytes of files that the process holds in memory, by mapping them.
+/// Resident size of the files that the process maps.
 std::uint64_t mapped_bytes_in_memory() {
   std::uint64_t all = 0, resident = 0, of_files = 0;
   std::ifstream("/proc/self/statm") >> all >> resident >> of_files;
@@ -34,7 +34,7 @@ Result<void> LibraryChecks::unchanged() const {
   using State = MappedFile::State;
   const MappedFile& mapped = file_bytes_.mapped;
   if (mapped.state() == State::same) return {};
-  // All who come meanwhile wait: the bytes may be others.
+  // Other threads wait meanwhile, as the bytes may have changed.
   const std::lock_guard lock(touched_);
   if (mapped.state() == State::touched) {
     const std::int64_t time = mapped.time_of_touch();
@@ -91,7 +91,7 @@ Result<void> LibraryChecks::check(const Model& model, std::size_t index, ModelPa
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
     const auto& [spec, of_part] = format::kModelColumns[c];
     const StoredColumn& column = models_[index][c];
-    if (of_part != part || column == StoredColumn{}) continue;  // none: the file is older
+    if (of_part != part || column == StoredColumn{}) continue;  // absent in older files
     const std::string place = fmt::format("/models/{}/{}{}{}", model.name, spec.group,
                                           spec.group.empty() ? "" : "/", spec.name);
     TRIVET_TRY(check_bytes(column, place));
@@ -117,7 +117,7 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: {}/{}", file_.string(), path, checked.error().message)};
   }
-  // A scene reads few of its lists.
+  // A scene reads only a few of the lists.
   if (held_ == Held::mapped) {
     for (const StoredColumn& column : levels_[index]) give_back_pages(bytes_of(column));
   }

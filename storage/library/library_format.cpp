@@ -8,7 +8,8 @@
 namespace trivet::format {
 namespace {
 
-/// The byte string of docs/format.md, "The checksum of the whole": name, NUL, length, bytes.
+/// The canonical byte string of docs/format.md, "The checksum of the whole": name, NUL, length,
+/// bytes.
 class Canonical {
  public:
   void add(std::string_view name, std::span<const std::byte> bytes) {

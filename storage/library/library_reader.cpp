@@ -42,7 +42,7 @@ TriSpinBasis read_basis(GroupReader& reader, const StoredGroup& group) {
   return out;
 }
 
-/// A level of the index, not mapped yet.
+/// A level of the index before it is mapped.
 struct LevelRecord {
   float resolution = 0;
   std::uint32_t stride = 0;
@@ -68,8 +68,8 @@ std::vector<LevelRecord> read_index(GroupReader& reader, const StoredGroup& inde
   return levels;
 }
 
-/// Whether the directory names the places where the datasets still lie: another program that stores
-/// the file anew moves them, and the directory with them.
+/// Whether the directory's offsets are still those of the datasets: another program that rewrites
+/// the file moves them, including the directory.
 bool is_in_place(GroupReader& reader, const StoredGroup& directory) {
   const auto at = reader.numbers<std::uint64_t, 1>(directory.attributes, "offset", ElementType::u64,
                                                    "/directory")[0];
@@ -77,8 +77,8 @@ bool is_in_place(GroupReader& reader, const StoredGroup& directory) {
   return names != directory.datasets.end() && names->second.offset == at;
 }
 
-/// The beginning of the file says how long it must be (HDF5 file format 3.0, section II.A: the
-/// superblock, versions 2 and 3, which are the ones with a checksum).
+/// Check the file's length against the superblock (HDF5 file format 3.0, section II.A: versions 2
+/// and 3, which have a checksum).
 Result<void> check_superblock(const fs::path& file, std::span<const std::byte> bytes) {
   constexpr unsigned char kSignature[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
   constexpr std::size_t kSize = 48, kVersion = 8, kOffsetSize = 9, kEnd = 28;
@@ -113,11 +113,11 @@ Result<void> check_superblock(const fs::path& file, std::span<const std::byte> b
   return {};
 }
 
-/// Where what is known of all models is taken from.
+/// Source of the models' metadata.
 enum class From {
-  groups,     ///< those of the models, all of which were read
-  directory,  ///< one place, where the file has it: the groups were left out
-  both,       ///< and both say the same
+  groups,     ///< groups of the models, all of which were read
+  directory,  ///< directory, if the file has one; groups were not read
+  both,       ///< both, and they must agree
 };
 
 bool same(const std::optional<Symmetry::Axis>& a, const std::optional<Symmetry::Axis>& b) {
@@ -143,7 +143,7 @@ bool same(const ModelRecord& record, const ModelRecord& other) {
                             &TriSpinFeatures::resolution);
 }
 
-/// What is known of all models, whose columns lie in a file of so many bytes.
+/// The metadata of all models, whose columns lie in a file of this size.
 std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& root, From from,
                                       std::size_t num_components, std::uint64_t file_bytes) {
   if (from == From::groups) return read_models(reader, root.groups.at("models"), num_components);
@@ -164,10 +164,10 @@ std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& ro
 
 FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner(), mapped}; }
 
-/// As parse_library.
+/// See parse_library.
 ///
-/// own      of the file whose tree it is
-/// columns  of the file that the models' columns lie in
+/// own      bytes of the file with this tree
+/// columns  bytes of the file with the models' columns
 Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
                       const FileBytes& columns, From from, Held held) {
   GroupReader of_any_version(file, own.bytes);
@@ -219,7 +219,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   const std::vector<ModelRecord> records =
       read_records(reader, root, from, num_components, columns.bytes.size());
   if (!reader.fault()) expect_count(records.size());
-  // Of a file that was stored anew, the index lies somewhere else than it was.
+  // In a rewritten file, the index lies at other offsets.
   std::vector<LevelRecord> levels;
   const StoredGroup* const index = GroupReader::below(root, "index");
   if (index != nullptr && minor >= format::kDirectorySince) levels = read_index(reader, *index);
@@ -234,7 +234,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   }
   std::vector<LevelColumns> level_columns;
   for (const LevelRecord& level : levels) {
-    // Whether a level is looked into depends on these, before it is checked.
+    // These values select the levels that are read, so they are checked first.
     const StoredColumn& with_features = level.columns.front();
     const Xxh3 found = xxh3(own.bytes.subspan(with_features.offset, with_features.bytes));
     if (found != with_features.checksum) {
@@ -273,8 +273,8 @@ Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole)
   return parse(file, *root, own, own, From::groups, Held::mapped);
 }
 
-/// Open what a path leads to. HDF5 opens it by its name once more: where another file has come there
-/// meanwhile, that one is opened.
+/// Open the target of a path. HDF5 opens it by name again: if the file was replaced meanwhile, the
+/// new one is opened.
 Result<Library> open(const fs::path& file, Writers writers, bool whole) {
   constexpr int kMostTries = 10;
   for (int i = 0;; ++i) {
@@ -305,7 +305,7 @@ Result<Library> open_with_columns(const fs::path& file) {
   return parse(file, root, own, bytes_of(columns), From::directory, Held::mapped);
 }
 
-/// What a file is opened by, where memory may not suffice for it.
+/// Run a function that opens a file; out of memory becomes an error.
 template <class F>
 Result<Library> within_memory(const fs::path& file, F&& read) {
   try {

@@ -58,7 +58,7 @@ Error over() { return {ErrorCode::io, "this library was published, or its writin
 
 }  // namespace
 
-/// What is kept of a model that was written.
+/// Data kept about a written model.
 struct Written {
   std::string digest;
   ModelRecord record;
@@ -69,12 +69,12 @@ struct LibraryWriter::State {
   LibraryHeader header;
   PendingFile file;
   Handle hdf5, root, models;               ///< destroyed in reverse order
-  std::map<std::string, Written> written;  ///< models, by name
-  std::vector<std::string> untold;         ///< of them, in no contents yet
-  std::uint64_t end = 0;                   ///< of their columns in the file
-  TriSpinBasis basis;                      ///< without components: there is none
+  std::map<std::string, Written> written;  ///< models by name
+  std::vector<std::string> untold;         ///< names of models that are in no contents file yet
+  std::uint64_t end = 0;                   ///< end of their columns in the file
+  TriSpinBasis basis;                      ///< without components: no basis
   std::string basis_digest, index_digest;
-  std::string columns_in;  ///< the name of the file that the models lie in, where it is another one
+  std::string columns_in;  ///< false if HDF5 failed
 
   // false when HDF5 failed
   bool write_basis();
@@ -83,11 +83,11 @@ struct LibraryWriter::State {
   std::size_t num_components() const noexcept { return basis.components.size(); }
   PackedGroup empty_group() const { return {unit_name(header.unit), num_components()}; }
 
-  /// What could not be written; a temporary file goes, of a lasting one the models stay.
+  /// Error of a failed write; a temporary file is removed, the models of a lasting file stay.
   Error fail(const std::string& what);
 };
 
-// The space comes first: HDF5 holds on to a file that it cannot flush.
+// Query the free space first: HDF5 keeps a file that it cannot flush.
 Error LibraryWriter::State::fail(const std::string& what) {
   std::error_code unknown;
   const fs::space_info space = fs::space(file.path(), unknown);
@@ -248,7 +248,7 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
       state_->file.start_writing_back();
       return {};
     }
-  } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as half a write
+  } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as a partial write
   }
   const std::size_t bytes = model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes();
   return state_->fail(
@@ -290,7 +290,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   const LevelPlace place{state.file.path(), rank, unit_name(state.header.unit), piece_bytes};
   Handle group;
   StoredGroup described;
-  // While a level is written, the next one is looked for.
+  // While a level is written, the next one is computed.
   const auto look_for = [&](std::size_t k) {
     return std::async(std::launch::async, [&next, &all, k] { return next(all, k); });
   };
@@ -324,7 +324,7 @@ Result<void> LibraryWriter::publish(Outlasts end) {
   if (state.num_components() > 0) children.emplace("trisi", state.basis_digest);
   if (!state.index_digest.empty()) children.emplace("index", state.index_digest);
 
-  // The root comes last: its checksum covers all that was written.
+  // The root is last: its checksum covers all other data.
   StoredAttributes root;
   root.emplace("format", attribute(format::kName));
   root.emplace("format_version_major", attribute(kLibraryVersionMajor));

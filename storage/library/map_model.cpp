@@ -7,7 +7,7 @@
 namespace trivet {
 namespace {
 
-/// Makes views of a file's columns.
+/// Creates views of a file's columns.
 class Mapper {
  public:
   Mapper(std::span<const std::byte> bytes, const std::shared_ptr<const void>& owner)
@@ -24,7 +24,7 @@ class Mapper {
     return copied;
   }
 
-  /// Of three rows of equal length.
+  /// A view of three rows of equal length.
   template <class View, class T>
   Shared<View> rows(const StoredColumn& stored) const {
     const auto all = std::make_shared<const Shared<std::span<const T>>>(column<T>(stored));

@@ -21,7 +21,7 @@ constexpr std::size_t kLongest = 128;
 bool is_ascii(char c) noexcept { return static_cast<unsigned char>(c) < 0x80; }
 bool is_mark(char c) noexcept { return c == '.' || c == '_' || c == '-'; }
 
-/// The first character of well-formed UTF-8 that is not empty.
+/// The first character of non-empty, well-formed UTF-8.
 std::string_view first_character(std::string_view text) noexcept {
   const auto lead = static_cast<unsigned char>(text.front());
   return text.substr(0, lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4);
@@ -35,8 +35,7 @@ char32_t code_point_of(std::string_view character) noexcept {
   return code;
 }
 
-/// What is beyond ASCII and cannot be seen: blanks, joiners of words, tags, what stands for no
-/// character.
+/// Whether a character beyond ASCII is invisible: blanks, word joiners, tags, noncharacters.
 bool is_unseen(char32_t c) noexcept {
   constexpr std::array<std::array<char32_t, 2>, 12> kUnseen{{{0xA0, 0xA0},
                                                              {0xAD, 0xAD},
@@ -53,15 +52,15 @@ bool is_unseen(char32_t c) noexcept {
   return std::ranges::any_of(kUnseen, [&](const auto& r) { return c >= r[0] && c <= r[1]; });
 }
 
-/// Of well-formed UTF-8.
+/// Pre: well-formed UTF-8.
 bool is_allowed(std::string_view character) {
   const char first = character.front();
   if (is_ascii(first)) return is_alphanumeric(first) || is_mark(first);
   return !is_unseen(code_point_of(character)) && printable(character) == character;
 }
 
-/// The same text with each letter and its accents as one character (Unicode's normal form C): macOS
-/// takes them apart in names of files.
+/// The text in Unicode normal form C, with each letter and its accents as one character: macOS
+/// decomposes them in file names.
 std::string composed(const std::string& text) {
   const std::unique_ptr<utf8proc_uint8_t, decltype(&std::free)> form(
       utf8proc_NFC(reinterpret_cast<const utf8proc_uint8_t*>(text.c_str())), &std::free);
@@ -85,7 +84,7 @@ std::string model_name_of(const std::filesystem::path& file) {
   const std::string stem = composed(valid_utf8(cloud_name(file)));
   if (is_model_name(stem)) return stem;
   std::string name;
-  bool replaced = false;  // the last character
+  bool replaced = false;  // the last character was replaced
   for (std::string_view rest = stem; !rest.empty();) {
     const std::string_view character = first_character(rest);
     rest.remove_prefix(character.size());

@@ -9,7 +9,7 @@ namespace trivet {
 
 void PackedGroup::add(const format::DatasetSpec& spec, Column<std::byte> bytes) {
   add(spec, std::span<const std::byte>(bytes));
-  datasets_.back().gathered = std::move(bytes);  // which leaves them where they are
+  datasets_.back().gathered = std::move(bytes);  // moving does not change their addresses
 }
 
 void PackedGroup::add(const format::DatasetSpec& spec, std::span<const std::byte> bytes) {

@@ -1,4 +1,4 @@
-// What is known of models, from the directory of a library.
+// Metadata of models from the directory of a library.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kColumns = format::kModelColumns.size();
 const std::string kPath = "/directory";
 
-/// All columns of the directory; `good` where all have a row a model.
+/// All columns of the directory; `good` if all have one row per model.
 struct Columns {
   std::vector<char> names, texts;
   std::vector<std::uint64_t> text_ends, fingerprints, motion_ends, places, checksums;
@@ -47,7 +47,8 @@ Columns read_columns(GroupReader& reader, const StoredGroup& directory) {
   return c;
 }
 
-/// Each column has as many numbers as it has to, and ends rise to the end of what they divide.
+/// Checks that each column has the required length, and that end offsets ascend to the end of the
+/// divided column.
 void check_columns(GroupReader& reader, const Columns& c, std::size_t n) {
   const auto expect = [&](const format::DatasetSpec& spec, std::size_t found, std::size_t a_model) {
     if (found != n * a_model) {
@@ -122,7 +123,7 @@ ModelRecord record_at(const Columns& c, std::size_t m) {
   return record;
 }
 
-/// Columns lie inside the file, and are of whole rows.
+/// Checks that columns lie inside the file and consist of whole rows.
 void check_places(GroupReader& reader, const ModelRecord& record, std::size_t num_components,
                   std::uint64_t file_bytes) {
   for (std::size_t k = 0; k < kColumns; ++k) {

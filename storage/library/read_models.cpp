@@ -1,4 +1,4 @@
-// What is known of models, from their groups.
+// Metadata of models from their groups.
 #include <algorithm>
 
 #include "storage/common/columns.hpp"
@@ -7,7 +7,7 @@
 namespace trivet {
 namespace {
 
-/// The columns of a group of the format, below a model's own.
+/// Read the columns of a group of the format, below a model's group.
 void read_columns(GroupReader& reader, const StoredGroup& group, std::string_view spec_group,
                   const std::string& path, const format::RowSizes& sizes, ModelRecord& record) {
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
@@ -17,7 +17,7 @@ void read_columns(GroupReader& reader, const StoredGroup& group, std::string_vie
   }
 }
 
-/// The features of one of kFeatureScales.
+/// Read the features of one of kFeatureScales.
 void read_features(GroupReader& reader, const StoredGroup& model, std::size_t scale,
                    const std::string& path, std::size_t num_components, ModelRecord& record) {
   const std::string name(format::kFeatureGroups[scale]);

@@ -20,25 +20,25 @@ static_assert(std::endian::native == std::endian::little,
 constexpr int kMaxRank = 4;
 constexpr int kMaxDepth = 6;  // the format needs four: /models/NAME/ppf/DATASET
 constexpr std::uint64_t kMaxAttributeBytes = 1 << 20;
-constexpr std::uint64_t kMostPacking = 1100;  // deflate makes 1 byte of 1032 at most
+constexpr std::uint64_t kMostPacking = 1100;  // deflate compresses by at most 1032
 constexpr std::uint64_t kUnpackedAlignment = 64;
 __extension__ typedef unsigned __int128 Wide;
 
-/// How datasets may lie in the file.
+/// Permitted layouts of datasets.
 enum class Storing {
-  in_place,  ///< as they lie in memory
-  packed,    ///< in chunks, by filters: HDF5 has to read them
+  in_place,  ///< contiguous, as in memory
+  packed,    ///< chunked or filtered: HDF5 has to decode them
 };
 
-/// Walks the objects of one file; every failure names the object.
+/// Traverses the objects of one file; every error names the object.
 class Scanner {
  public:
-  /// left_out  a group of the root that is not looked into
+  /// left_out  a group of the root that is not traversed
   Scanner(const std::filesystem::path& file, std::uint64_t file_bytes, Storing storing,
           std::string_view left_out = {})
       : file_(file), file_bytes_(file_bytes), storing_(storing), left_out_(left_out) {}
 
-  /// Where the last dataset ends, unpacked.
+  /// End of the last dataset after decoding.
   std::uint64_t unpacked_bytes() const noexcept { return unpacked_bytes_; }
 
   Result<StoredGroup> group(hid_t id, const std::string& path, int depth);
@@ -112,7 +112,7 @@ Result<void> Scanner::type_and_shape(hid_t type, hid_t space, const std::string&
   return {};
 }
 
-/// Product of the shape and the element size; more than `limit` comes back as nothing.
+/// Product of the shape and the element size; empty if it exceeds `limit`.
 std::optional<std::uint64_t> bytes_of(const std::vector<std::uint64_t>& shape,
                                       std::uint64_t element, std::uint64_t limit) {
   if (std::ranges::find(shape, 0U) != shape.end()) return 0;
@@ -143,7 +143,7 @@ Result<StoredAttribute> Scanner::attribute(hid_t object, const std::string& name
   return out;
 }
 
-/// Collect names for H5Aiterate and H5Literate; no exception may pass through C.
+/// Collects names for H5Aiterate and H5Literate; no exception may pass through C.
 herr_t collect(void* names, const char* name) noexcept {
   try {
     static_cast<std::vector<std::string>*>(names)->emplace_back(name);
@@ -169,7 +169,7 @@ Result<StoredAttributes> Scanner::attributes(hid_t object, const std::string& pa
   return out;
 }
 
-// An object that is reached twice is part of a cycle or of a file that unfolds without end.
+// An object that is reached twice is part of a cycle or of a file that expands without end.
 Result<void> Scanner::visit_once(hid_t object, const std::string& path) {
   H5O_info_t info;
   if (H5Oget_info(object, &info) < 0)
@@ -191,7 +191,7 @@ Result<void> Scanner::check_in_place(hid_t creation, const std::string& path) co
   return {};
 }
 
-/// No filter that would be looked for outside of HDF5.
+/// Check that no filter would be loaded from outside of HDF5.
 Result<void> Scanner::check_packed(hid_t creation, const std::string& path) const {
   const H5D_layout_t layout = H5Pget_layout(creation);
   if (layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED && layout != H5D_COMPACT)
@@ -211,7 +211,7 @@ Result<void> Scanner::check_packed(hid_t creation, const std::string& path) cons
   return {};
 }
 
-/// Where the bytes of a dataset begin.
+/// Determine the offset of a dataset's bytes.
 Result<void> Scanner::place(hid_t id, const std::string& path, StoredDataset& dataset) {
   if (storing_ == Storing::packed) {
     dataset.offset = unpacked_bytes_;
@@ -233,7 +233,7 @@ Result<void> Scanner::place(hid_t id, const std::string& path, StoredDataset& da
 Result<StoredDataset> Scanner::dataset(hid_t id, const std::string& path) {
   TRIVET_TRY(visit_once(id, path));
 
-  // Where the data lies, before anything is asked that could follow it out of the file.
+  // Check the location of the data before any call that could follow it out of the file.
   const hdf5::Handle creation(H5Dget_create_plist(id));
   if (H5Pget_external_count(creation.get()) != 0)
     return bad(path, "expected data inside the file, found external storage");
@@ -305,7 +305,7 @@ Result<StoredGroup> Scanner::group(hid_t id, const std::string& path, int depth)
   return out;
 }
 
-/// Let HDF5 unpack all datasets below a group to their places.
+/// Let HDF5 decode all datasets below a group to their offsets.
 Result<void> read_datasets(const Scanner& scanner, hid_t id, const StoredGroup& group,
                            const std::string& path, std::span<std::byte> out) {
   for (const auto& [name, dataset] : group.datasets) {
@@ -331,7 +331,7 @@ std::string text_of(const StoredAttribute& attribute) {
   return text;
 }
 
-/// Refuse other kinds of files and other major versions, before their structure is looked at.
+/// Refuse other kinds of files and other major versions before their structure is read.
 Result<void> check_version(const Scanner& scanner, hid_t root) {
   const auto format = scanner.attribute(root, "format", "");
   if (!format || format->type != ElementType::text || text_of(*format) != format::kName) {
@@ -362,7 +362,7 @@ struct OpenFile {
   hdf5::Handle file, root;
 };
 
-/// A library of this major version.
+/// Open a library of this major version.
 Result<OpenFile> open_file(const std::filesystem::path& file, const Scanner& scanner) {
   hdf5::start();
   const hdf5::Handle access = hdf5::file_access();

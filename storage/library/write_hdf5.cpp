@@ -107,9 +107,9 @@ Handle creation_of(hid_t kind) {
   return ok ? std::move(creation) : Handle();
 }
 
-// All links inside the checksummed object header, too, which may continue: HDF5 1.10 crashes when
-// it lists a damaged group of the other kind, which it would make of more than 8 links. A header
-// that grows link by link takes a time of more than the square of their number: it gets its room.
+// All links also go into the checksummed object header, which may be continued. HDF5 would store
+// more than 8 links in the other kind of group, and HDF5 1.10 crashes when it lists a damaged one.
+// A header that grows link by link takes more than quadratic time, so its space is reserved.
 Handle create_group(hid_t parent, const std::string& name, const NamesToCome& groups) {
   constexpr std::size_t kMostLinks = 65535;
   const auto count = static_cast<unsigned>(std::min(groups.count, kMostLinks));

@@ -16,12 +16,12 @@ namespace {
 
 using hdf5::Handle;
 
-/// Memory for some features.
+/// Buffer for some features.
 class Piece {
  public:
   Piece(std::size_t n, std::size_t stride)
       : stride_(stride), codes_(n * stride), model_(n), keypoints_(3 * n), frames_(n) {}
-  /// The keypoints' rows lie one after the other, as they are written.
+  /// The keypoints' rows are contiguous, as for writing.
   ListedFeaturesSpan first(std::size_t n) {
     const std::span keypoints(keypoints_);
     return {std::span(codes_).first(n * stride_),
@@ -38,7 +38,7 @@ class Piece {
   Column<RotationCode> frames_;
 };
 
-/// The datasets of a level's features, in the order in which they lie in the file.
+/// The datasets of a level's features, in the order of their offsets in the file.
 class FeatureDatasets {
  public:
   FeatureDatasets(hid_t group, std::size_t n, std::size_t stride, std::string_view unit,
@@ -48,8 +48,8 @@ class FeatureDatasets {
       const format::DatasetSpec& spec = kSpecs[c];
       const std::uint64_t row =
           std::array{stride, sizeof(std::uint32_t), 3 * sizeof(float), sizeof(RotationCode)}[c];
-      // The checksum is known at the end, but has its place at once: where an attribute lies would
-      // else depend on when it was written.
+      // The checksum is known only at the end, but its space is reserved at once: otherwise the
+      // position of an attribute would depend on the time of its writing.
       StoredDataset& dataset = stored.datasets[std::string(spec.name)];
       dataset = hdf5::describe(spec, n * row, Xxh3().hex(), unit, 0, stride);
       datasets_[c] = hdf5::create_dataset(group, std::string(spec.name), dataset);
@@ -74,7 +74,7 @@ class FeatureDatasets {
            block(3, {first, 0}, {n, 4}, features.frames.data());
   }
 
-  /// Of what lies in the file: the rows of the keypoints came in pieces.
+  /// Checksums are computed from the file, as the rows of the keypoints came in pieces.
   bool write_checksums(const std::filesystem::path& file) const {
     for (const Handle& dataset : datasets_) {
       if (H5Dflush(dataset.get()) < 0) return false;
@@ -102,7 +102,7 @@ class FeatureDatasets {
   std::array<Handle, kSpecs.size()> datasets_;
 };
 
-/// What there is once in a level.
+/// Write the columns that a level has once.
 bool write_lists(const FeatureLevel& level, hid_t group, std::string_view unit,
                  StoredGroup& stored) {
   stored.attributes.emplace("resolution", hdf5::attribute(level.resolution));
@@ -135,7 +135,7 @@ Result<void> write_level(const LevelInPieces& made, const std::string& name, hid
   if (!datasets) return failed;
   const std::size_t row_bytes =
       level.stride + sizeof(std::uint32_t) + 3 * sizeof(float) + sizeof(RotationCode);
-  // While a piece is written, the next one is made: also of a level that would fit into one.
+  // While a piece is written, the next one is computed, even if the level would fit into one.
   const std::size_t at_once =
       std::max(std::min(place.piece_bytes / 2 / row_bytes, n / 4 + 1), std::size_t{1});
   std::array pieces{Piece(at_once, level.stride), Piece(at_once, level.stride)};
