@@ -18,8 +18,8 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 using Tree = flann::KDTreeSingleIndex<flann::L2<float>>;
 
-// FLANN drops points at the distance asked for, and its bounds carry rounding: ask for a little
-// more and let each result set decide exactly.
+// FLANN drops points at exactly the given distance, and its bounds have rounding errors: search a
+// little farther and let each result set decide exactly.
 float a_little_more(float squared_distance) { return squared_distance * 1.00001F + FLT_MIN; }
 
 // The k nearest so far, in the caller's row, sorted by distance, then index.
@@ -52,7 +52,7 @@ class NearestSet final : public flann::ResultSet<float> {
   std::span<float> distances_;
 };
 
-// Everything within a radius: counted, and kept as far as the caller's row reaches.
+// All points within a radius: counted, and stored as far as the caller's row allows.
 class WithinSet final : public flann::ResultSet<float> {
  public:
   WithinSet(float radius, std::span<std::uint32_t> indices)
@@ -85,7 +85,7 @@ Column<float> interleave(PointsView points) {
   return vectors;
 }
 
-/// FLANN throws for want of memory, and for nothing else that is asked of it here.
+/// FLANN throws only for lack of memory in the functions used here.
 Error out_of_memory(std::string_view task, const std::exception& reason) {
   return {ErrorCode::no_memory,
           fmt::format("cannot {} nearest neighbors: {} ({})", task, kOutOfMemory, reason.what())};
@@ -96,9 +96,9 @@ Error out_of_memory(std::string_view task, const std::exception& reason) {
 struct NearestNeighbors::Index {
   Column<float> vectors;
   std::size_t dimension = 0, size = 0;
-  std::optional<Tree> tree;  // none over no vectors
+  std::optional<Tree> tree;  // empty without vectors
 
-  // Offer the vectors near a query to a result set, until none can change it.
+  // Offer the vectors near a query to a result set, until none can change the result.
   void search(std::span<const float> queries, std::size_t i, flann::ResultSet<float>& found) const {
     const std::span<const float> query = queries.subspan(i * dimension, dimension);
     if (tree && all_finite(query)) tree->findNeighbors(found, query.data(), flann::SearchParams());

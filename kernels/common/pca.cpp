@@ -13,7 +13,7 @@ using Eigen::VectorXd;
 using Rows =
     Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
 
-constexpr Eigen::Index kBlock = 256;  // vectors that are widened to double at a time
+constexpr Eigen::Index kBlock = 256;  // vectors converted to double at a time
 
 }  // namespace
 
@@ -34,7 +34,7 @@ PcaBasis find_components(std::span<const float> vectors, std::size_t dimension,
     covariance.selfadjointView<Eigen::Lower>().rankUpdate(block);
   }
   covariance /= static_cast<double>(rows.rows());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(covariance);  // rising
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(covariance);  // ascending
 
   PcaBasis basis;
   basis.dimension = dimension;

@@ -16,7 +16,7 @@ float rotation_angle(const Eigen::Matrix3f& a, const Eigen::Matrix3f& b) noexcep
 
 namespace {
 
-/// Turn about the free axis so that the rotation comes closest to the target's.
+/// Rotate about the free axis so that the rotation is closest to the target's.
 Pose turn_about_axis(const Pose& pose, const Symmetry::Axis& axis, const Pose& target) noexcept {
   // Maximize trace(R_t^T R Rot(axis, angle)): with M = R_t^T R, the sum is c + a cos + b sin.
   const Eigen::Matrix3f M = target.linear().transpose() * pose.linear();

@@ -10,12 +10,12 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kLanes = 32;                    // products that are added up at a time
-constexpr std::size_t kVectors = 2, kComponents = 4;  // that are multiplied with each other
-// Components are read again for so many vectors, which meanwhile stay in the first cache.
+constexpr std::size_t kLanes = 32;                    // products summed at a time
+constexpr std::size_t kVectors = 2, kComponents = 4;  // size of a multiplied tile
+// Number of vectors per pass over the components; they stay in the first-level cache.
 constexpr std::size_t kVectorsInCache = 8;
 constexpr int kBits = 15;
-constexpr int kLeastExponent = -90;  // of shorter vectors: their squares are no numbers any more
+constexpr int kLeastExponent = -90;  // limit for shorter vectors, whose squares underflow
 
 constexpr std::size_t filled_up(std::size_t n, std::size_t block) noexcept {
   return (n + block - 1) / block * block;
@@ -26,7 +26,7 @@ std::int16_t round_to_16_bits(float value) noexcept {
   return static_cast<std::int16_t>(std::clamp(value + (value < 0 ? -0.5F : 0.5F), -kMost, kMost));
 }
 
-/// Products of kVectors and kComponents, each of n numbers, n a multiple of kLanes.
+/// Dot products of kVectors and kComponents, each of n numbers, n a multiple of kLanes.
 TRIVET_SIMD_CLONES
 void multiply(const std::int16_t* __restrict vectors, const std::int16_t* __restrict components,
               std::size_t n, std::array<std::int32_t, kVectors * kComponents>& out) noexcept {
@@ -49,8 +49,8 @@ void multiply(const std::int16_t* __restrict vectors, const std::int16_t* __rest
   out = {sum00, sum01, sum02, sum03, sum10, sum11, sum12, sum13};
 }
 
-/// Write a vector less the mean as whole numbers; returns what one of them stands for, 0 for a
-/// vector that is the mean.
+/// Convert a vector minus the mean to integers; returns the value of one unit, 0 if the vector
+/// equals the mean.
 TRIVET_SIMD_CLONES
 float write_rounded(const float* __restrict vector, const float* __restrict mean, std::size_t n,
                     float* __restrict less, std::int16_t* __restrict out) noexcept {
@@ -63,7 +63,7 @@ float write_rounded(const float* __restrict vector, const float* __restrict mean
   for (std::size_t i = whole; i < n; ++i) squares[i - whole] += less[i] * less[i];
   float squared = 0;
   for (const float lane : squares) squared += lane;
-  // 2^exponent is more than the length, which rounding adds to, and at most twice that.
+  // 2^exponent exceeds the length, to which rounding adds, by a factor of at most 2.
   int exponent = 0;
   std::frexp(std::sqrt(squared) * 1.01F, &exponent);
   exponent = std::max(exponent, kLeastExponent);

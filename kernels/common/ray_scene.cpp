@@ -19,7 +19,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Embree reports through a callback on the thread that called it; what it said waits here.
+/// Embree reports errors through a callback on the calling thread; this is the last message.
 thread_local std::string last_message;
 thread_local bool is_out_of_memory = false;
 
@@ -28,19 +28,19 @@ void keep_message(void*, RTCError error, const char* message) {
   if (!is_out_of_memory) last_message = message ? message : "";
 }
 
-/// One device a process. Its "threads" stays unset: it would limit TBB in the whole process.
+/// One device per process. Its "threads" stays unset, as it would limit TBB in the whole process.
 RTCDevice device() {
   static const RTCDevice instance = [] {
     RTCDevice created = rtcNewDevice("set_affinity=0");
     if (!created && rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY)
-      throw std::bad_alloc();  // tried again next time
+      throw std::bad_alloc();  // retried next time
     if (created) rtcSetDeviceErrorFunction(created, keep_message, nullptr);
     return created;
   }();
   return instance;
 }
 
-/// Throws std::bad_alloc where memory was missing, which is no fault of the model.
+/// Throws std::bad_alloc for lack of memory, which is not the model's fault.
 Error embree_error(const std::string& doing) {
   if (std::exchange(is_out_of_memory, false)) throw std::bad_alloc();
   std::string message = "Embree failed while " + doing;
@@ -49,7 +49,7 @@ Error embree_error(const std::string& doing) {
   return {ErrorCode::internal, message + "; free memory or use a smaller mesh"};
 }
 
-/// Geometry that is released on leaving the scope; an attached one lives on in its scene.
+/// Geometry that is released at the end of the scope; an attached one stays in its scene.
 struct Geometry {
   RTCGeometry handle;
   explicit Geometry(RTCGeometryType type) : handle(rtcNewGeometry(device(), type)) {}
@@ -100,8 +100,8 @@ struct RayScene::State {
   State(const State&) = delete;
   State& operator=(const State&) = delete;
 
-  /// Building a tree crashes in Embree 3.13 where memory is missing. Throws std::bad_alloc instead, if
-  /// what it will need is not there before.
+  /// Building a tree crashes in Embree 3.13 if memory runs out. Throws std::bad_alloc instead if
+  /// the expected amount is not available beforehand.
   void require_memory() const {
     void* volatile probe = ::operator new(bytes());
     ::operator delete(probe);
@@ -157,7 +157,7 @@ Result<RayScene> RayScene::from_mesh(PointsView vertices, TrianglesView triangle
     indices[3 * t + 1] = triangles.b[t];
     indices[3 * t + 2] = triangles.c[t];
   }
-  // Readers check this, but a mapped file may have been changed since.
+  // Readers check this, but a mapped file may have changed since.
   if (std::ranges::any_of(std::span(indices, 3 * triangles.size()),
                           [&](std::uint32_t index) { return index >= vertices.size(); })) {
     return Error{ErrorCode::bad_data,
@@ -173,7 +173,7 @@ Result<RayScene> RayScene::from_mesh(PointsView vertices, TrianglesView triangle
 
 namespace {
 
-/// Points with radii, which spheres and discs have alike.
+/// Set points with radii, common to spheres and discs.
 bool set_points(Geometry& geometry, PointsView points, float radius) {
   auto* values = geometry.buffer<float>(RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT4,
                                         4 * sizeof(float), points.size());
@@ -185,7 +185,7 @@ bool set_points(Geometry& geometry, PointsView points, float radius) {
   return true;
 }
 
-/// Rejects what a ray meets from behind: it came through a gap between the discs in front.
+/// Rejects hits from behind: such a ray came through a gap between the discs in front.
 void keep_fronts(const RTCFilterFunctionNArguments* query) {
   for (unsigned k = 0; k < query->N; ++k) {
     const float along =
@@ -274,7 +274,7 @@ std::uint32_t RayScene::occluded(const Eigen::Vector3f& origin,
   assert(directions.size() <= kPacket && "more rays than are traced at a time");
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  alignas(32) std::array<int, kPacket> wanted{};  // -1: yes
+  alignas(32) std::array<int, kPacket> wanted{};  // -1: requested
   alignas(32) RTCRay8 rays{};
   for (std::size_t k = 0; k < directions.size(); ++k) {
     wanted[k] = -1;

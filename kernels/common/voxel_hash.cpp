@@ -21,7 +21,7 @@ VoxelHash::VoxelHash(PointsView points, float cell) : lattice_(fit_lattice(point
     sorted_.set(i, points[voxels.order[i]]);
   }
 
-  // Voxels of one row follow each other in x.
+  // Voxels of one row are consecutive in x.
   const auto row_length = static_cast<std::uint64_t>(lattice_.counts[0]);
   rows_in_layer_ = static_cast<std::uint64_t>(lattice_.counts[1]);
   voxel_x_.reserve(voxels.size());
@@ -85,7 +85,7 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
   if (!whole) return std::nullopt;
   const std::array<std::int64_t, 3>&low = whole->low, &high = whole->high;
 
-  // The ball shrinks to the best point so far; ties in distance go to the lower index.
+  // The ball shrinks to the best point so far; ties go to the lower index.
   Nearest best{kNone, max_radius * max_radius};
   double radius = whole->radius;
   const auto search_row = [&](const Row& row, std::int64_t y, std::int64_t z) {
@@ -104,7 +104,7 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
     });
   };
 
-  // Rings of rows around the query's own, or around the box's row that is nearest to it.
+  // Rings of rows around the query's row, or around the nearest row of the box.
   const auto within = [](double value, std::int64_t first, std::int64_t last) {
     return static_cast<std::int64_t>(
         std::clamp(value, static_cast<double>(first), static_cast<double>(last)));
@@ -114,7 +114,7 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
   for (std::int64_t ring = 0; ring <= last_ring; ++ring) {
     if (static_cast<double>(ring - 1) > radius) break;
     if (static_cast<double>(ring) * static_cast<double>(ring) >
-        static_cast<double>(rows_.size())) {  // emptiness all around: fewer rows than places
+        static_cast<double>(rows_.size())) {  // mostly empty space: fewer rows than ring cells
       for (const Row& row : rows_) search_row(row, row_y(row), row_z(row));
       break;
     }
@@ -149,8 +149,8 @@ void fill_radius_neighbors(const VoxelHash& grid, PointsView queries, float radi
     std::uint32_t* next = indices.data() + offsets[q];
     std::uint32_t* const end = indices.data() + offsets[q + 1];
     if (next == end) continue;
-    // Each candidate is written and then kept or not, which spares a branch nobody can predict;
-    // when the row is full, what follows is outside.
+    // Each candidate is written and then kept or not, which avoids an unpredictable branch; when
+    // the row is full, the next index is outside.
     grid.visit_runs(query, radius, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last && next != end; ++i) {
         *next = grid.indices_[i];

@@ -11,7 +11,7 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr double kMaxAxis = 4294967296.0;  // 2^32 voxels on an axis
+constexpr double kMaxAxis = 4294967296.0;  // 2^32 voxels along an axis
 
 bool finite(PointsView points, std::size_t i) {
   return std::isfinite(points.x[i]) && std::isfinite(points.y[i]) && std::isfinite(points.z[i]);
@@ -64,14 +64,14 @@ VoxelLattice fit_lattice(PointsView points, double cell) {
 
 namespace {
 
-constexpr std::size_t kNumbered = 256;   // points numbered at a time
+constexpr std::size_t kNumbered = 256;   // points keyed at a time
 constexpr std::size_t kSteps = 1 << 18;  // points between two checks
 constexpr std::uint64_t kNoVoxel = ~std::uint64_t{0};
 constexpr double kMaxFast = 4503599627370496.0;  // 2^52
 constexpr std::uint64_t kLowBits = (std::uint64_t{1} << 52) - 1;
 
-/// Numbers of voxels below 2^52, exact in double; kNoVoxel for a point that is not finite. Added to
-/// 2^52, a whole number is the double's low bits.
+/// Keys of voxels below 2^52, exact in double; kNoVoxel for non-finite points. In the sum with
+/// 2^52, a whole number occupies the double's low bits.
 TRIVET_SIMD_CLONES
 void number_voxels(const VoxelLattice& lattice, std::size_t n, const float* __restrict x,
                    const float* __restrict y, const float* __restrict z,
@@ -115,10 +115,10 @@ void sort_runs(PointsView points, const VoxelLattice& lattice, Voxels& out, Voxe
              scratch.sort);
 }
 
-/// The same with every point a run of its own, for lattices of any extent.
+/// The same with every point as a separate run, for lattices of any extent.
 void sort_points(PointsView points, const VoxelLattice& lattice, Voxels& out,
                  VoxelScratch& scratch) {
-  // Where one number cannot hold a voxel, sort by (y, x) first and let its rank stand for both.
+  // If one key cannot hold a voxel, sort by (y, x) first and replace both by their rank.
   const bool fits = lattice.fits_64_bits();
   const auto axis_count = [&](std::size_t axis) {
     return static_cast<std::uint64_t>(std::min(lattice.counts[axis], kMaxAxis));
@@ -156,7 +156,7 @@ void group_by_voxel(PointsView points, const VoxelLattice& lattice, Voxels& out,
   const bool is_fast = lattice.counts[0] * lattice.counts[1] * lattice.counts[2] < kMaxFast;
   (is_fast ? sort_runs : sort_points)(points, lattice, out, scratch);
 
-  // Keep one key a voxel and where its points begin, and write the runs out.
+  // Keep one key per voxel and the start of its points, and write the runs out.
   Column<std::uint32_t>& order = scratch.sort.values;
   order.clear();
   out.offsets.clear();
