@@ -15,17 +15,17 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr std::uint32_t kNoCorner = 0xFFFF'FFFFU;
-// A triangle may turn by up to 60 degrees, and may become this thin (1: equilateral).
+// Limits: a triangle may rotate by up to 60 degrees, and become this thin (1: equilateral).
 constexpr double kMinTurnCosine = 0.5;
 constexpr double kMinQuality = 0.02;
-// Share of the constraint that holds a vertex near the middle of its edge where planes leave open
-// where it is.
+// Relative weight of the constraint that keeps a vertex near the middle of its edge where the
+// planes do not determine its position.
 constexpr double kMiddleWeight = 1e-4;
-// Beside the error, share of the squared length: on planes, where nothing else tells, short edges
-// go first.
+// Relative weight of the squared length, added to the error: on planes, where the error is the same
+// for all, short edges go first.
 constexpr double kLengthWeight = 1e-8;
 
-/// The sum of squared distances from weighted planes, as a function of the place.
+/// The sum of squared distances from weighted planes, as a function of the position.
 struct Quadric {
   Matrix3d normals = Matrix3d::Zero();
   Vector3d offsets = Vector3d::Zero();
@@ -46,7 +46,7 @@ struct Quadric {
   double operator()(const Vector3d& p) const {
     return std::max(0.0, p.dot(normals * p) - 2 * p.dot(offsets) + constant);
   }
-  /// Where the sum is least; near `middle` as far as the planes leave it open.
+  /// The position with the least sum; near `middle` where the planes do not determine it.
   Vector3d best(const Vector3d& middle) const {
     const double hold = kMiddleWeight * normals.trace();
     if (!(hold > 0)) return middle;
@@ -60,7 +60,7 @@ struct Vertex {
   Quadric quadric;
   std::uint32_t first_corner = kNoCorner,
                 last_corner = kNoCorner;  // list of its triangles' corners
-  std::uint32_t changes = 0;  // edges that were rated before the last one are out of date
+  std::uint32_t changes = 0;              // edges rated before the last change are out of date
   bool border = false, fixed = false, alive = true;
 };
 
@@ -160,7 +160,7 @@ class Decimation {
     v.last_corner = last;
   }
 
-  // Each triangle's plane, weighted by area: the mean triangle counts as one.
+  // Add each triangle's plane, weighted by area: the mean triangle has weight one.
   void add_planes() {
     double area = 0;
     for (const Corners& corners : triangles_) area += area_vector(corners).norm();
@@ -175,7 +175,7 @@ class Decimation {
     }
   }
 
-  // Sort the edges: those of one triangle are a border, those of more than two stay.
+  // Sort the edges: those of one triangle are a border, vertices of those of more than two stay.
   void add_edges() {
     struct Edge {
       std::uint32_t u, v, triangle;
@@ -206,7 +206,7 @@ class Decimation {
     }
   }
 
-  // A plane through the edge, upright on its triangle, keeps a border's course.
+  // A plane through the edge, perpendicular to its triangle, preserves a border's shape.
   void add_border(const Corners& triangle, Vertex& u, Vertex& v) {
     u.border = v.border = true;
     const Vector3d along = v.place - u.place, across = along.cross(area_vector(triangle));
@@ -233,8 +233,8 @@ class Decimation {
     queue_.push({cost, std::min(i, j), std::max(i, j), u.changes + v.changes});
   }
 
-  // The link condition: u and v may have no more neighbors in common than triangles. A triangle
-  // alone and a tetrahedron fulfil it, and would vanish.
+  // Link condition: u and v may have no more common neighbors than triangles. A single triangle and
+  // a tetrahedron satisfy it, but would vanish.
   bool may_collapse(std::uint32_t u, std::uint32_t v, const Vector3d& place) {
     std::uint32_t num_u = 0, num_v = 0, num_both = 0, num_common = 0;
     const std::uint32_t mark = ++last_mark_;
@@ -257,7 +257,7 @@ class Decimation {
     return keeps_triangles(u, v, place) && keeps_triangles(v, u, place);
   }
 
-  // Whether the triangles about u but not v neither turn nor become thin when u moves.
+  // Whether the triangles about u but not v neither flip nor become thin when u moves.
   bool keeps_triangles(std::uint32_t u, std::uint32_t v, const Vector3d& place) {
     bool keeps = true;
     for_triangles(vertices_[u], [&](const Corners& corners) {
@@ -320,11 +320,11 @@ class Decimation {
   Vector3d origin_{0, 0, 0};
   double mean_area_ = 0;
   std::vector<Vertex> vertices_;
-  std::vector<Corners> triangles_;          // first corner kNoCorner: gone
-  std::vector<std::uint32_t> next_corner_;  // of one vertex; corner 3 t + k
-  std::vector<std::uint32_t> marks_;        // per vertex: the last question that met it
+  std::vector<Corners> triangles_;          // first corner kNoCorner: removed
+  std::vector<std::uint32_t> next_corner_;  // next corner of the same vertex; corner 3 t + k
+  std::vector<std::uint32_t> marks_;        // per vertex: the last query that visited it
   std::uint32_t last_mark_ = 0;
-  std::size_t num_triangles_ = 0;  // alive
+  std::size_t num_triangles_ = 0;  // remaining triangles
   std::priority_queue<Collapse> queue_;
 };
 

@@ -13,17 +13,17 @@
 namespace trivet::kernels {
 namespace {
 
-using Place = std::array<std::int32_t, 3>;  // on the lattice
+using Place = std::array<std::int32_t, 3>;  // position on the lattice
 __extension__ using Int128 = __int128;      // the predicates stay below 2^121
 
 constexpr std::int32_t kSteps = 1 << 20;
-// A tetrahedron that holds the lattice, at least its size away.
+// A tetrahedron that contains the lattice, at least its size away.
 constexpr std::array<Place, 4> kFarCorners{{{-kSteps, -kSteps, -kSteps},
                                             {7 * kSteps, -kSteps, -kSteps},
                                             {-kSteps, 7 * kSteps, -kSteps},
                                             {-kSteps, -kSteps, 7 * kSteps}}};
-// Of a determinant of whole numbers below 2^24, computed in double, to the sum of its products'
-// magnitudes: far above the at most 20 roundings of 2^-53 on any path.
+// Error bound of a determinant of integers below 2^24, computed in double, relative to the sum of
+// its products' magnitudes: far above the at most 20 roundings of 2^-53 on any path.
 constexpr double kRounding = 1e-14;
 
 template <class Number>
@@ -41,7 +41,7 @@ std::array<Number, 3> difference(const Place& q, const Place& p) {
           static_cast<Number>(q[2] - p[2])};
 }
 
-/// Positive if d lies on the side of a, b, c that (b - a) x (c - a) points to.
+/// Positive if d lies on the side of a, b, c to which (b - a) x (c - a) points.
 int orientation(const Place& a, const Place& b, const Place& c, const Place& d) {
   const std::array<std::array<double, 3>, 3> m{difference<double>(b, a), difference<double>(c, a),
                                                difference<double>(d, a)};
@@ -71,7 +71,8 @@ Number det_lifted(const std::array<std::array<Number, 3>, 4>& r, double& magnitu
   const Number cda = r[2][2] * da + r[3][2] * ac + r[0][2] * cd;
   const Number dab = r[3][2] * ab + r[0][2] * bd + r[1][2] * da;
   if constexpr (std::is_same_v<Number, double>) {
-    // Each |det of three rows| <= the product of their lengths; roundings go with the latter.
+    // Each |det of three rows| <= the product of their lengths; rounding errors scale with the
+    // latter.
     std::array<double, 4> length;
     for (std::size_t i = 0; i < 4; ++i) length[i] = std::sqrt(lifted[i]);
     magnitude = length[0] * length[1] * length[2] * length[3] *
@@ -80,7 +81,7 @@ Number det_lifted(const std::array<std::array<Number, 3>, 4>& r, double& magnitu
   return (lifted[3] * abc - lifted[2] * dab) + (lifted[1] * cda - lifted[0] * bcd);
 }
 
-/// Whether p lies strictly inside the ball through a positively oriented tetrahedron.
+/// Whether p lies strictly inside the circumsphere of a positively oriented tetrahedron.
 bool in_ball(const Place& a, const Place& b, const Place& c, const Place& d, const Place& p) {
   double magnitude = 0;
   const double det = det_lifted<double>({difference<double>(a, p), difference<double>(b, p),
@@ -101,10 +102,10 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249U;
 }
 
-/// A point on its way into the triangulation.
+/// A point to be inserted into the triangulation.
 struct Entry {
   int round;           // 0 first; a round has about as many points as all before it
-  std::uint64_t code;  // along the space-filling curve (Morton); one a place
+  std::uint64_t code;  // position on the space-filling curve (Morton); unique per place
   std::uint32_t index;
 
   bool operator<(const Entry& other) const {
@@ -141,7 +142,7 @@ class Insertion {
 
   const Place& place(const Tetrahedron& t, std::size_t k) const { return places_[t.corner[k]]; }
 
-  /// Walk towards a place, from the tetrahedron that was made last.
+  /// Walk towards a position, from the tetrahedron created last.
   std::uint32_t locate(const Place& p) const {
     std::uint32_t at = last_, from = Tetrahedron::kNone;
     for (;;) {
@@ -165,8 +166,8 @@ class Insertion {
                    place(tetrahedron, 3), p);
   }
 
-  /// Gather the tetrahedra whose balls hold the new place, and the faces around them. With ties
-  /// outside, no face lies in one plane with the place.
+  /// Gather the tetrahedra whose circumspheres contain the new position, and the faces around them.
+  /// With ties outside, no face is coplanar with the position.
   void find_cavity(std::uint32_t v) {
     const Place& p = places_[v];
     cavity_.assign(1, locate(p));
@@ -186,7 +187,7 @@ class Insertion {
     }
   }
 
-  /// Join the place to every face around the cavity.
+  /// Connect the position to every face around the cavity.
   void fill_cavity(std::uint32_t v) {
     const auto first_new = static_cast<std::uint32_t>(tetrahedra_.size());
     for (std::size_t i = 0; i < rim_.size(); ++i) {
@@ -198,7 +199,7 @@ class Insertion {
       tetrahedra_.push_back(t);
       if (outside != Tetrahedron::kNone)
         *std::ranges::find(tetrahedra_[outside].across, face.tetrahedron) = made;
-      tetrahedra_[face.tetrahedron].across[face.corner] = made;  // for the turns below
+      tetrahedra_[face.tetrahedron].across[face.corner] = made;  // for turn() below
     }
     for (std::size_t i = 0; i < rim_.size(); ++i) {
       for (std::uint32_t k = 0; k < 4; ++k) {
@@ -209,8 +210,8 @@ class Insertion {
     reuse();
   }
 
-  /// Turn through the old tetrahedra about the edge of a face that lies across from corner k, to
-  /// the new tetrahedron at the other end.
+  /// Rotate through the old tetrahedra about the edge of a face opposite corner k, to the new
+  /// tetrahedron at the other end.
   std::uint32_t turn(const Face& face, std::uint32_t k, std::uint32_t first_new) const {
     std::uint32_t at = face.tetrahedron, pivot = tetrahedra_[at].corner[face.corner];
     for (;;) {
@@ -225,7 +226,7 @@ class Insertion {
     }
   }
 
-  /// Close the gaps that the old tetrahedra leave, from the highest on, with the last ones.
+  /// Fill the slots of the old tetrahedra, from the highest on, with the last ones.
   void reuse() {
     visited_.resize(tetrahedra_.size(), Tetrahedron::kNone);
     std::ranges::sort(cavity_, std::greater());
@@ -245,7 +246,7 @@ class Insertion {
 
   std::vector<Place> places_;
   Column<Tetrahedron> tetrahedra_;
-  std::vector<std::uint32_t> visited_;  // per tetrahedron: the place whose cavity it was in
+  std::vector<std::uint32_t> visited_;  // per tetrahedron: the position whose cavity contained it
   std::uint32_t last_ = 0;
   std::vector<std::uint32_t> cavity_;
   std::vector<Face> rim_;
@@ -275,7 +276,7 @@ Delaunay find_delaunay(PointsView points) {
     const std::uint64_t code = spread_bits(static_cast<std::uint64_t>(p[0])) |
                                spread_bits(static_cast<std::uint64_t>(p[1])) << 1 |
                                spread_bits(static_cast<std::uint64_t>(p[2])) << 2;
-    // The round is drawn by the place alone, so that the order of the points does not matter.
+    // The round is drawn from the position alone, so that the order of the points does not matter.
     std::uint64_t hash = (code + 0x9E3779B97F4A7C15U) * 0xBF58476D1CE4E5B9U;
     hash = (hash ^ hash >> 29) * 0x94D049BB133111EBU;
     entries.push_back({-std::countr_zero(hash >> 32 | std::uint64_t{1} << 20), code, i});

@@ -22,7 +22,7 @@ using Corners = std::array<std::uint32_t, 3>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kSpacingNeighbors = 8;
-// How much more of the outside lies on one side of a point than on the other; 1: half a ball.
+// Smallest excess of the outside on one side of a point over the other; 1: half a ball.
 constexpr double kMinOutward = 0.25;
 
 double cosine_of_deg(float angle) { return std::cos(angle * std::numbers::pi / 180); }
@@ -36,10 +36,10 @@ struct Facet {
   std::uint32_t tetrahedron = Tetrahedron::kNone, corner = 0;
 };
 
-/// What a boundary edge of the surface may grow by.
+/// A face by which the surface may grow at a boundary edge.
 struct Candidate {
-  double grade;     // the highest first: flat ones 1 / radius, others minus their fold
-  Corners corners;  // wound; the edge is corners[1] -> corners[0] of this triangle
+  double grade;     // the highest first: 1 / radius for flat ones, minus the fold for others
+  Corners corners;  // in winding order; the edge is corners[1] -> corners[0] of this triangle
   Facet facet;
 
   bool operator<(const Candidate& other) const {
@@ -47,7 +47,7 @@ struct Candidate {
   }
 };
 
-/// Places with their local spacing, and the faces of their tetrahedra.
+/// Positions with their local spacing, and the faces of their tetrahedra.
 class Faces {
  public:
   Faces(const Delaunay& delaunay, float max_radius)
@@ -60,7 +60,7 @@ class Faces {
   bool is_place(std::uint32_t v) const { return v < spacings_.size(); }
   const Vector3d& position(std::uint32_t v) const { return positions_[v]; }
   const Column<Tetrahedron>& tetrahedra() const { return tetrahedra_; }
-  /// The longest edge that a face of the surface may have between two places.
+  /// The longest edge that a face of the surface may have between two positions.
   double max_edge(std::uint32_t u, std::uint32_t v) const {
     return 2 * max_radius_ * std::max(spacings_[u], spacings_[v]);
   }
@@ -82,7 +82,7 @@ class Faces {
 
   const Column<Tetrahedron>& tetrahedra_;
   double max_radius_;
-  std::vector<Vector3d> positions_;  // and the four far corners
+  std::vector<Vector3d> positions_;  // positions, and the four far corners
   std::vector<double> spacings_;
 };
 
@@ -95,7 +95,7 @@ Result<void> Faces::measure(PointsView points, const Delaunay& delaunay) {
   }
   positions_.insert(positions_.end(), delaunay.far_corners.begin(), delaunay.far_corners.end());
 
-  // The spacing is the square root of the area that a point has, among its nearest.
+  // The spacing is the square root of the area per point, from the nearest neighbors.
   const std::size_t k = std::min(kSpacingNeighbors + 1, n);
   TRIVET_TRY_ASSIGN(const NearestNeighbors tree, NearestNeighbors::build(places));
   std::vector<std::uint32_t> near(k * n);
@@ -108,8 +108,8 @@ Result<void> Faces::measure(PointsView points, const Delaunay& delaunay) {
   return {};
 }
 
-/// The smallest radius of an empty ball through three corners; infinite if it is too large for
-/// their surroundings.
+/// The smallest radius of an empty ball through three corners; infinite if it is too large for the
+/// local spacing.
 double Faces::empty_radius(const Corners& c, const Facet& facet) const {
   if (!is_place(c[0]) || !is_place(c[1]) || !is_place(c[2])) return kInfinity;
   const Vector3d &a = positions_[c[0]], ab = positions_[c[1]] - a, ac = positions_[c[2]] - a;
@@ -137,7 +137,7 @@ double Faces::empty_radius(const Corners& c, const Facet& facet) const {
   return radius <= max_radius_ * spacing ? radius : kInfinity;
 }
 
-/// Mark the tetrahedra that a ball reaches from far away through faces that are large enough.
+/// Mark the tetrahedra that a ball can reach from far away through faces that are large enough.
 std::vector<std::uint8_t> find_outside(const Faces& faces) {
   const Column<Tetrahedron>& tetrahedra = faces.tetrahedra();
   std::vector<std::uint8_t> is_outside(tetrahedra.size(), 0);
@@ -162,8 +162,8 @@ std::vector<std::uint8_t> find_outside(const Faces& faces) {
   return is_outside;
 }
 
-/// The sum of all directions between three unit vectors: the integral over their solid angle, by
-/// Stokes' theorem half the sum of its sides' angles times their normals.
+/// The integral of all directions over the solid angle between three unit vectors; by Stokes'
+/// theorem half the sum of its sides' angles times their normals.
 Vector3d sum_of_directions(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const auto side = [](const Vector3d& u, const Vector3d& v) -> Vector3d {
     const Vector3d normal = u.cross(v);
@@ -174,7 +174,7 @@ Vector3d sum_of_directions(const Vector3d& a, const Vector3d& b, const Vector3d&
   return turn * (side(a, b) + side(b, c) + side(c, a));
 }
 
-/// A surface that grows by faces of the Delaunay tetrahedra. Vertices are places of the latter.
+/// A surface that grows by faces of the Delaunay tetrahedra. Vertices are positions of the latter.
 class Front {
  public:
   Front(const Faces& faces, std::vector<Vector3d> normals, const TriangulateOptions& options)
@@ -195,7 +195,7 @@ class Front {
       add(c, seed.facet);
       advance();
     }
-    // Where normals are wrong, as at edges, the shape decides.
+    // If normals are wrong, as at edges, the shape decides.
     min_normal_ = -1;
     const std::size_t num_grown = triangles_.size();
     for (std::size_t t = 0; t < num_grown; ++t) propose_all(triangles_[t]);
@@ -208,13 +208,13 @@ class Front {
  private:
   void fill_holes();
 
-  /// Take the best candidates until no boundary edge has one.
+  /// Add the best candidates until no boundary edge has one.
   void advance() {
     while (!queue_.empty()) {
       const Candidate best = queue_.top();
       queue_.pop();
       const auto [from, to] = std::pair(best.corners[1], best.corners[0]);
-      if (edges_.contains(edge_key(to, from))) continue;  // closed by now
+      if (edges_.contains(edge_key(to, from))) continue;  // closed meanwhile
       if (may_add(best.corners))
         add(best.corners, best.facet);
       else
@@ -233,7 +233,7 @@ class Front {
     Facet facet;
   };
 
-  /// Cosines between a triangle and the normals of its corners; 1 for those unknown.
+  /// Cosines between a triangle and the normals of its corners; 1 for unknown ones.
   std::array<double, 3> normal_cosines(const Corners& c) const {
     const Vector3d n = (place(c[1]) - place(c[0])).cross(place(c[2]) - place(c[0])).normalized();
     std::array<double, 3> cosines;
@@ -249,13 +249,13 @@ class Front {
     return std::ranges::min(normal_cosines(c)) >= min_cosine;
   }
 
-  /// Whether normals allow a triangle: never is it the back of the surface at all its corners.
+  /// Whether normals allow a triangle: it must not be the back of the surface at all its corners.
   bool fits(const Corners& c) const {
     const auto [least, greatest] = std::ranges::minmax(normal_cosines(c));
     return least >= min_normal_ && greatest >= 0;
   }
 
-  /// Triangles to start from, the smallest first: those that their normals agree with best.
+  /// Seed triangles, the smallest first: those in best agreement with their normals.
   std::vector<Candidate> find_seeds() const {
     std::vector<Candidate> seeds;
     for (std::uint32_t t = 0; t < tetrahedra_.size(); ++t) {
@@ -276,7 +276,7 @@ class Front {
   }
 
   /// Whether a triangle keeps every edge in at most two triangles, of one winding, and does not
-  /// touch a vertex that is surrounded already.
+  /// touch a vertex that is already surrounded.
   bool may_add(const Corners& c) const {
     for (std::size_t k = 0; k < 3; ++k) {
       if (num_uses_[c[k]] > 0 && num_open_[c[k]] == 0) return false;
@@ -285,7 +285,7 @@ class Front {
     return true;
   }
 
-  /// Cosine of the angle that a triangle folds by at the edge from -> to of the surface.
+  /// Cosine of the fold angle of a triangle at the edge from -> to of the surface.
   double fold_cosine(std::uint32_t from, std::uint32_t to, std::uint32_t apex) const {
     const auto across = [&](std::uint32_t v) {
       const Vector3d e = (place(to) - place(from)).normalized(), d = place(v) - place(from);
@@ -295,13 +295,13 @@ class Front {
     return -across(c[0] + c[1] + c[2] - from - to).dot(across(apex));
   }
 
-  /// Offer the best face that the surface may grow by at its boundary edge from -> to.
+  /// Add a candidate: the best face at the boundary edge from -> to.
   void propose(std::uint32_t from, std::uint32_t to) {
     const Facet start = edges_.find(edge_key(from, to))->second.facet;
     if (start.tetrahedron == Tetrahedron::kNone) return;  // the edge may be in no tetrahedron
     Candidate best{-kInfinity, {}, {}};
     double best_radius = kInfinity;
-    // Turn about the edge through all tetrahedra. The surface's own face comes last.
+    // Rotate about the edge through all tetrahedra. The surface's own face comes last.
     std::uint32_t at = start.tetrahedron, crossed = start.corner;
     do {
       // Leave by the other face at the edge.
@@ -362,13 +362,13 @@ class Front {
   std::vector<Vector3d> normals_;
   double min_flat_, min_fold_, min_normal_;
   std::size_t max_hole_edges_;
-  std::vector<std::int32_t> num_uses_, num_open_;  // per place: triangles, boundary edges
+  std::vector<std::int32_t> num_uses_, num_open_;  // per position: triangles, boundary edges
   std::vector<Corners> triangles_;
-  std::unordered_map<std::uint64_t, Edge> edges_;  // from -> to, as wound
+  std::unordered_map<std::uint64_t, Edge> edges_;  // from -> to, in winding order
   std::priority_queue<Candidate> queue_;
 };
 
-/// The boundary edge of the surface that ends where this one starts, in the same fan of triangles.
+/// The boundary edge that ends where this one starts, in the same fan of triangles.
 std::uint32_t Front::before(std::uint32_t from, std::uint32_t to) const {
   std::uint32_t turned = to;
   for (;;) {
@@ -379,8 +379,8 @@ std::uint32_t Front::before(std::uint32_t from, std::uint32_t to) const {
   }
 }
 
-/// Fill what lies beyond the boundary edge from -> to, if it is small. Where a boundary touches
-/// itself, it is cut into loops that do not.
+/// Fill the hole beyond the boundary edge from -> to, if it is small. A boundary that touches
+/// itself is cut into loops that do not.
 void Front::fill_from(std::uint32_t from, std::uint32_t to) {
   std::vector<std::vector<std::uint32_t>> loops;
   std::vector<std::uint32_t> loop;
@@ -401,7 +401,7 @@ void Front::fill_from(std::uint32_t from, std::uint32_t to) {
   for (const auto& hole : loops) fill(hole);
 }
 
-/// Fill a hole with the triangulation of least area (dynamic programming over its stretches).
+/// Fill a hole with the triangulation of least area (dynamic programming over its segments).
 void Front::fill(const std::vector<std::uint32_t>& hole) {
   const std::size_t n = hole.size();
   if (n < 3) return;
@@ -466,7 +466,7 @@ Result<void> orient_by_empty_space(PointsView points, const Delaunay& delaunay, 
   Faces faces(delaunay, max_radius);
   TRIVET_TRY(faces.measure(points, delaunay));
 
-  // All directions to the outside: pi times the normal where it is half of them.
+  // Sum of all outward directions: pi times the normal if they are a half space.
   const std::vector<std::uint8_t> is_outside = find_outside(faces);
   std::vector<Vector3d> outward(n, Vector3d::Zero());
   for (std::size_t t = 0; t < is_outside.size(); ++t) {

@@ -21,8 +21,8 @@ using Eigen::Vector3d;
 
 constexpr std::uint32_t kNoWedge = 0xFFFFFFFF;
 constexpr std::size_t kFanNeighbors = 8;
-// Height of a neighbor over the tangent plane, in spacings: what noise of 0.4 spacings leaves to
-// 98 of 100 points, and joins no sheets that are two spacings apart.
+// Largest height of a neighbor over the tangent plane, in spacings: with noise of 0.4 spacings, 98
+// of 100 points pass, and no sheets two spacings apart are joined.
 constexpr double kMaxHeight = 1;
 constexpr double kFullTurn = 2 * std::numbers::pi;
 
@@ -36,19 +36,19 @@ double turn(double from, double to) {
   return angle > 0 ? angle : angle + kFullTurn;
 }
 
-/// The triangles about each point: what its fan is made of.
+/// The triangles about each point, which form its fan.
 class Fans {
  public:
-  /// A triangle seen from one of its corners: the other two, counter-clockwise.
+  /// A triangle relative to one of its corners: the other two, counter-clockwise.
   struct Wedge {
     std::uint32_t from, to;
-    std::uint32_t next;  // of the same point
+    std::uint32_t next;  // next wedge of the same point
   };
 
   explicit Fans(std::size_t n) : first_(n, kNoWedge), num_borders_(n, 0) { wedges_.reserve(6 * n); }
 
   bool is_empty(std::uint32_t v) const { return first_[v] == kNoWedge; }
-  /// Whether triangles are all around a point.
+  /// Whether triangles surround a point.
   bool is_closed(std::uint32_t v) const { return !is_empty(v) && num_borders_[v] == 0; }
 
   template <class Visit>
@@ -81,36 +81,36 @@ class Fans {
     first_[v] = static_cast<std::uint32_t>(wedges_.size() - 1);
   }
 
-  Column<std::uint32_t> first_;       // wedge of each point
-  Column<std::int32_t> num_borders_;  // edges of each point that one triangle has
+  Column<std::uint32_t> first_;       // first wedge of each point
+  Column<std::int32_t> num_borders_;  // per point: edges with only one triangle
   Column<Wedge> wedges_;
 };
 
-/// The plane through a point across its normal.
+/// The plane through a point perpendicular to its normal.
 struct TangentPlane {
   Vector3d origin, x, y;
 
   Vector2d project(const Vector3d& p) const { return {x.dot(p - origin), y.dot(p - origin)}; }
 };
 
-/// A point near the one whose fan is made, in its tangent plane.
+/// A neighbor of the fan's center, in its tangent plane.
 struct Neighbor {
   std::uint32_t index;
   Vector2d at;
-  double turned = 0;  // counter-clockwise from where the gap begins
+  double turned = 0;  // counter-clockwise angle from the start of the gap
 
   double angle() const { return std::atan2(at.y(), at.x()); }
-  /// At the inverse of its distance: of points on a circle through the origin, on a line.
+  /// Inversion in the unit circle: maps circles through the origin to lines.
   Vector2d inverted() const { return at / at.squaredNorm(); }
 };
 
-/// An edge that only one triangle has, in the tangent plane.
+/// An edge with only one triangle, in the tangent plane.
 struct Border {
   std::uint32_t from, to;
   Vector2d a, b;
 };
 
-/// The surface as far as it has grown.
+/// The surface grown so far.
 class Growth {
  public:
   Growth(PointsView points, NormalsView normals, const GreedyOptions& options)
@@ -135,7 +135,7 @@ class Growth {
   bool are_alike(std::uint32_t v, std::uint32_t w) const {
     return normals_[v].dot(normals_[w]) >= min_cosine_;
   }
-  /// The longest edge of a point.
+  /// The longest edge at a point.
   double reach(std::uint32_t v) const {
     return std::min<double>(options_.radius, options_.mu * spacings_[v]);
   }
@@ -164,15 +164,15 @@ class Growth {
   GreedyOptions options_;
   double min_angle_, max_angle_, min_cosine_;
   std::vector<Vector3d> normals_;
-  Column<double> spacings_;  // 0 for points that take no part
+  Column<double> spacings_;  // 0 for unused points
   VoxelHash grid_;
   Fans fans_;
   Triangles triangles_;
   std::vector<std::uint32_t> front_;
-  std::size_t num_completed_ = 0;  // of the front
+  std::size_t num_completed_ = 0;  // number of completed points of the front
   std::vector<std::uint8_t> is_reached_;
 
-  // Of the point whose fan is made.
+  // State of the current fan.
   TangentPlane plane_;
   std::vector<std::pair<float, std::uint32_t>> near_;
   std::vector<Neighbor> neighbors_;
@@ -181,7 +181,7 @@ class Growth {
 };
 
 Result<void> Growth::measure() {
-  // Points that may take part: finite, with a normal, the first in their place.
+  // Usable points: finite, with a normal, the first at their position.
   Points places;
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < points_.size(); ++i) {
@@ -210,8 +210,8 @@ Result<void> Growth::measure() {
   std::vector<float> squared(k * n);
   TRIVET_TRY(tree.k_nearest(places, k, nearest, squared));
 
-  // The spacing is the step of the square lattice whose eighth neighbor is as far, or as dense.
-  // The other side of a thin wall does not count.
+  // The spacing is the step of the square lattice with the same distance to the eighth neighbor, or
+  // the same density. The other side of a thin wall is excluded.
   const auto visit_alike = [&](std::size_t i, auto&& visit) {
     std::size_t num_alike = 0;
     for (std::size_t j = 1; j < k && num_alike < kFanNeighbors; ++j) {
@@ -227,7 +227,7 @@ Result<void> Growth::measure() {
   }
   Column<float> found;
   for (std::size_t i = 0; i < n; ++i) {
-    // What lies far off is to reach no farther than those that it is near to: not into them all.
+    // Isolated points may reach no farther than their neighbors do, not into the midst of those.
     double widest = 0;
     visit_alike(i, [&](std::size_t j, double, std::size_t) { widest = std::max(widest, own[j]); });
     spacings_[order[i]] = std::min(own[i], widest);
@@ -244,14 +244,14 @@ Result<void> Growth::measure() {
 }
 
 TangentPlane Growth::tangent_plane(std::uint32_t v) const {
-  // The axis that the normal is farthest from makes the plane's own well defined.
+  // The axis farthest from the normal makes the plane's axes well defined.
   Eigen::Index axis = 0;
   normals_[v].cwiseAbs().minCoeff(&axis);
   const Vector3d x = normals_[v].cross(Vector3d::Unit(axis)).normalized();
   return {position(v), x, normals_[v].cross(x)};
 }
 
-/// Note the points that edges of p may lead to, or be hidden by.
+/// Collect the points to which edges of p may lead, or which may be hidden by them.
 void Growth::gather(std::uint32_t p) {
   near_.clear();
   grid_.visit_within(points_[p], static_cast<float>(reach(p)), [&](std::uint32_t i, float d2) {
@@ -263,11 +263,11 @@ void Growth::gather(std::uint32_t p) {
   neighbors_.clear();
   for (const auto& [d2, i] : near_) {
     const Neighbor q = project(i);
-    if (!q.at.isZero(0)) neighbors_.push_back(q);  // else it has no direction
+    if (!q.at.isZero(0)) neighbors_.push_back(q);  // otherwise it has no direction
   }
 }
 
-/// Note the edges of single triangles around p: nothing beyond them is seen.
+/// Collect the boundary edges around p: nothing is visible beyond them.
 void Growth::find_borders() {
   borders_.clear();
   for (const Neighbor& q : neighbors_) {
@@ -281,7 +281,7 @@ void Growth::find_borders() {
   }
 }
 
-/// Whether the point, which has no triangle, lies in one of its neighbors'.
+/// Whether the point, which has no triangle, lies inside a triangle of its neighbors.
 bool Growth::is_covered() const {
   return std::ranges::any_of(neighbors_, [&](const Neighbor& q) {
     return fans_.any(q.index, [&](const Fans::Wedge& wedge) {
@@ -291,7 +291,7 @@ bool Growth::is_covered() const {
   });
 }
 
-/// Whether a segment meets a border that it does not share an end with.
+/// Whether a segment crosses a border with which it shares no end.
 bool Growth::crosses_border(const Neighbor& p, const Neighbor& q) const {
   const Vector2d along = q.at - p.at;
   return std::ranges::any_of(borders_, [&](const Border& border) {
@@ -305,13 +305,13 @@ bool Growth::crosses_border(const Neighbor& p, const Neighbor& q) const {
     const double c = cross(edge, p.at - border.a), d = cross(edge, q.at - border.a);
     if ((c > 0 && d > 0) || (c < 0 && d < 0)) return false;
     if (a != 0 || b != 0) return true;
-    // All four on a line: they meet unless one ends before the other begins.
+    // All four are collinear: they overlap unless one ends before the other begins.
     const double s = along.dot(border.a - p.at), t = along.dot(border.b - p.at);
     return std::max(s, t) >= 0 && std::min(s, t) <= along.squaredNorm();
   });
 }
 
-/// Whether the fan of v leaves room for an edge to w.
+/// Whether the fan of v has a gap for an edge to w.
 bool Growth::is_open_towards(std::uint32_t v, std::uint32_t w) const {
   if (fans_.is_empty(v)) return true;
   const TangentPlane plane = tangent_plane(v);
@@ -322,7 +322,7 @@ bool Growth::is_open_towards(std::uint32_t v, std::uint32_t w) const {
   });
 }
 
-/// Whether the fan of v leaves room for a triangle, whose edges point `from` and `to`.
+/// Whether the fan of v has a gap for a triangle with edges towards `from` and `to`.
 bool Growth::fits(std::uint32_t v, std::uint32_t from, std::uint32_t to) const {
   const TangentPlane plane = tangent_plane(v);
   const Vector2d a = plane.project(position(from)), b = plane.project(position(to));
@@ -338,12 +338,12 @@ bool Growth::fits(std::uint32_t v, std::uint32_t from, std::uint32_t to) const {
   });
 }
 
-/// Whether an edge from p to a point that it has none to would be in nobody's way.
+/// Whether a new edge from p to a point would cross nothing.
 bool Growth::may_join(std::uint32_t p, const Neighbor& q) const {
   return is_open_towards(q.index, p) && !crosses_border({p, Vector2d::Zero()}, q);
 }
 
-/// Whether a triangle has an angle that is too small.
+/// Whether a triangle has too small an angle.
 bool Growth::is_narrow(const std::array<std::uint32_t, 3>& corners) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const Vector3d at = position(corners[k]);
@@ -370,8 +370,8 @@ void Growth::add_triangle(std::uint32_t p, const Neighbor& a, const Neighbor& b)
   }
 }
 
-/// Keep of the chain what are neighbors of the point in a Delaunay triangulation of the plane: the
-/// corners of its convex hull once inverted. The ends stay.
+/// Keep of the chain the point's neighbors in a Delaunay triangulation of the plane: after
+/// inversion, the corners of the convex hull. The ends stay.
 void Growth::keep_delaunay_neighbors() {
   kept_.clear();
   for (const Neighbor& c : chain_) {
@@ -386,7 +386,7 @@ void Growth::keep_delaunay_neighbors() {
   chain_.swap(kept_);
 }
 
-/// Close the gap of a fan that turns counter-clockwise from one neighbor to another.
+/// Close the gap of a fan, counter-clockwise from one neighbor to another.
 void Growth::close_gap(std::uint32_t p, const Neighbor& first, const Neighbor& last, double width) {
   const double first_angle = first.angle();
   chain_.assign(1, first);
@@ -416,14 +416,14 @@ void Growth::close_gap(std::uint32_t p, const Neighbor& first, const Neighbor& l
   }
 }
 
-/// Make the fan of a point as whole as it can be.
+/// Complete the fan of a point as far as possible.
 void Growth::complete(std::uint32_t p) {
   if (fans_.is_closed(p)) return;
   plane_ = tangent_plane(p);
   gather(p);
   find_borders();
   if (fans_.is_empty(p)) {
-    // The nearest neighbor is one in any triangulation of Delaunay's.
+    // The nearest neighbor is a neighbor in any Delaunay triangulation.
     if (is_covered()) return;
     const Neighbor* nearest = nullptr;
     for (const Neighbor& q : neighbors_) {

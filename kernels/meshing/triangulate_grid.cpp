@@ -13,9 +13,9 @@ namespace {
 using Eigen::Vector3d;
 using GridCorners = std::array<std::int32_t, 3>;
 
-constexpr double kNoiseSigmas = 3;  // that an edge or slope may owe to noise
+constexpr double kNoiseSigmas = 3;  // standard deviations of noise tolerated for an edge or slope
 
-/// Judges triangles by how the sensor sees them.
+/// Tests triangles from the sensor's viewpoint.
 class Judge {
  public:
   Judge(PointsView points, const Eigen::Vector3f& viewpoint, std::span<const float> noise,
@@ -26,29 +26,28 @@ class Judge {
         max_jump_(options.max_jump),
         max_slope_(std::tan(options.max_grazing_deg * std::numbers::pi / 180)) {}
 
-  /// Of a point relative to the viewpoint.
+  /// Position of a point relative to the viewpoint.
   Vector3d sight(std::int32_t i) const {
     return points_[static_cast<std::size_t>(i)].cast<double>() - viewpoint_;
   }
   bool is_finite(std::int32_t i) const { return i != PixelGrid::kNone && sight(i).allFinite(); }
 
-  /// Twice the area that the sensor sees of a triangle, times its distance: positive if it sees the
-  /// front.
+  /// Twice the triangle's area as seen by the sensor, times its distance: positive for the front.
   double seen(const GridCorners& c) const {
     const Vector3d a = sight(c[0]);
     return -(sight(c[1]) - a).cross(sight(c[2]) - a).dot(a);
   }
 
-  /// Whether two pixels are farther apart than their footprint and the noise explain.
+  /// Whether two pixels are farther apart than their footprint and the noise allow.
   bool jumps(std::int32_t i, std::int32_t j) const {
     const Vector3d a = sight(i), b = sight(j);
     const double length = (b - a).squaredNorm(), along = b.norm() - a.norm();
     const double footprint = std::max(0.0, length - along * along);
-    if (length <= max_jump_ * max_jump_ * footprint) return false;  // whatever the noise
+    if (length <= max_jump_ * max_jump_ * footprint) return false;  // regardless of noise
     return !(std::sqrt(length) <= max_jump_ * std::sqrt(footprint) + slack(i, j));
   }
 
-  /// Whether a triangle slopes away from the sensor more than the options and the noise explain.
+  /// Whether a triangle slopes away from the sensor more than the options and the noise allow.
   bool grazes(const GridCorners& c) const {
     const Vector3d a = sight(c[0]), b = sight(c[1]), d = sight(c[2]);
     const Vector3d to_sensor = -(a + b + d);
@@ -56,15 +55,15 @@ class Judge {
     const double across = normal.dot(to_sensor);
     const double along = normal.cross(to_sensor).squaredNorm();
     if (!(across > 0)) return true;
-    if (along <= max_slope_ * max_slope_ * across * across) return false;  // whatever the noise
-    // The root of what the sensor sees of twice the area is the footprint.
+    if (along <= max_slope_ * max_slope_ * across * across) return false;  // regardless of noise
+    // The root of twice the visible area is the footprint.
     const double distance = to_sensor.norm();
     const double noise = std::max({slack(c[0], c[1]), slack(c[1], c[2]), slack(c[2], c[0])});
     return !(std::sqrt(along) <= max_slope_ * across + noise * std::sqrt(across * distance));
   }
 
  private:
-  /// What noise may add to the difference of two ranges.
+  /// Possible contribution of noise to the difference of two ranges.
   double slack(std::int32_t i, std::int32_t j) const {
     const double a = noise_[static_cast<std::size_t>(i)], b = noise_[static_cast<std::size_t>(j)];
     return kNoiseSigmas * std::sqrt(a * a + b * b);
@@ -76,8 +75,8 @@ class Judge {
   double max_jump_, max_slope_;
 };
 
-/// Call visit(corners) for each triangle between neighboring pixels, all wound one way in the
-/// image.
+/// Call visit(corners) for each triangle between neighboring pixels, all with the same winding in
+/// the image.
 template <class Visit>
 void visit_triangles(const PixelGrid& grid, const Judge& judge, Visit&& visit) {
   for (std::size_t v = 0; v + 1 < grid.height; ++v) {
@@ -115,8 +114,9 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
   TRIVET_REQUIRE(noise.size() == points.size(), "one value a point");
   const Judge judge(points, viewpoint, noise, options);
 
-  // All triangles are wound as most of them face the sensor. One that then faces away is seen from
-  // behind, which no surface is: to turn it alone would tear it from its neighbors.
+  // All triangles get the winding with which most of them face the sensor. One that then faces away
+  // is seen from behind, which is impossible for a surface; reversing it alone would disconnect it
+  // from its neighbors.
   std::int64_t balance = 0;
   visit_triangles(grid, judge, [&](const GridCorners& c) {
     const double seen = judge.seen(c);
