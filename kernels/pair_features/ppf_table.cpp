@@ -56,7 +56,8 @@ void for_each_pair(const PpfChunk& chunk, PairScratch& scratch, Body&& body) noe
 
 void choose_references(PointsView points, const Symmetry& symmetry, float margin,
                        std::span<std::uint8_t> is_reference) noexcept {
-  // Any direction in general position; with an axis, the part across it is left to the strip.
+  // Any direction in general position. With an axis, only the component along it is used: the strip
+  // handles the rest.
   const Eigen::Vector3f general = Eigen::Vector3f(0.8411F, 0.4587F, 0.2872F).normalized();
   Eigen::Vector3f axis = Eigen::Vector3f::Zero(), across = Eigen::Vector3f::Zero(),
                   aside = Eigen::Vector3f::Zero();
@@ -130,7 +131,7 @@ void fill_ppf_entries(const PpfChunk& chunk, PairScratch& scratch,
 
 void sort_ppf_cells(std::span<const std::uint32_t> offsets, std::size_t first, std::size_t count,
                     std::span<PpfEntry> entries) noexcept {
-  // References already rise; only runs of one reference are out of order, and they are short.
+  // References already ascend; only runs of one reference are unsorted, and they are short.
   const auto before = [](const PpfEntry& a, const PpfEntry& b) {
     return a.reference != b.reference ? a.reference < b.reference : a.angle < b.angle;
   };

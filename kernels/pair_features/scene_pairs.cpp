@@ -14,7 +14,7 @@ std::uint64_t pack(std::uint32_t cell, std::uint16_t rotation) noexcept {
   return (static_cast<std::uint64_t>(cell) << 16) | rotation;
 }
 
-/// The one or two bins that a component falls in, given how near it lies to a border.
+/// The one or two bins of a component, depending on its distance from a border.
 struct Bins {
   std::array<std::uint32_t, 2> bin;
   std::uint32_t count;

@@ -15,7 +15,7 @@ namespace trivet::kernels {
 namespace {
 
 /// The largest cell size (a power of two, exclusive) with which the look-ups give at most max_votes
-/// votes; without bound when all of them do.
+/// votes; unlimited if all of them do.
 std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t* offsets,
                            std::uint64_t max_votes) noexcept {
   std::array<std::uint64_t, 33> votes_of_width{};
@@ -36,8 +36,7 @@ std::uint32_t fullest_cell(std::span<const SceneVote> votes, const std::uint32_t
 std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& table,
                          std::uint64_t max_votes, std::span<std::uint16_t> accumulator) noexcept {
   assert(votes.size() < 8192 && "counters of 16 bits");
-  // Sorted: from the first cell beyond the table on, pairs are farther apart than this model is
-  // large.
+  // Cells are sorted: from the first cell beyond the table on, pairs are longer than this model.
   const std::uint32_t num_cells = table.quantization.num_cells();
   const auto beyond = std::partition_point(
       votes.begin(), votes.end(), [&](const SceneVote& vote) { return vote.cell < num_cells; });
@@ -47,12 +46,12 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
   const std::uint32_t* const offsets = table.offsets.data();
   const PpfEntry* const entries = table.entries.data();
   std::uint16_t* const counters = accumulator.data();
-  // The table may lie in a file that somebody writes at this moment: whatever it says, no other memory
-  // is touched.
+  // The table may lie in a file that is being written: no value in it may cause an access to other
+  // memory.
   const auto num_entries = static_cast<std::uint32_t>(table.entries.size());
   const auto last_row = static_cast<std::uint32_t>(accumulator.size() / kRotationBins - 1);
   const std::uint32_t too_full = fullest_cell(votes, offsets, max_votes);
-  constexpr std::size_t kAhead = 8;  // look-ups whose entries are on their way from memory
+  constexpr std::size_t kAhead = 8;  // look-ups whose entries are prefetched
   std::uint64_t total = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
     if (i + kAhead < votes.size()) __builtin_prefetch(entries + offsets[votes[i + kAhead].cell]);
@@ -72,7 +71,7 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
 
 namespace {
 
-/// The best three-bin sum over all model points.
+/// The largest three-bin sum over all model points.
 TRIVET_SIMD_CLONES
 std::uint32_t highest_peak(const std::uint16_t* __restrict accumulator,
                            std::size_t num_rows) noexcept {
