@@ -13,10 +13,10 @@
 namespace trivet::kernels {
 namespace {
 
-// Mean length of normal 2-vectors over its root mean square, sqrt(pi) / 2.
+// Ratio of the mean length of normal 2-vectors to its root mean square, sqrt(pi) / 2.
 constexpr double kMeanLength = 0.886;
 
-/// Of the pixels of a window or patch, r across the plane.
+/// Sums over the pixels of a window or patch; r is the distance from the plane.
 struct Sums : SlopeSums {
   double rr = 0;
 
@@ -47,7 +47,7 @@ struct Sums : SlopeSums {
   }
 };
 
-/// Variances beyond independent noise; the slope per pixel.
+/// Variances in excess of independent noise; the slope is per pixel.
 struct Patch {
   double height, slope, footprint;
 };

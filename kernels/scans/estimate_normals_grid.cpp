@@ -15,7 +15,7 @@
 namespace trivet::kernels {
 namespace {
 
-// Eight pixels side by side, as the compiler's own vector type: ten sums of them stay in registers.
+// Eight adjacent pixels, as the compiler's vector type: ten sums of them stay in registers.
 constexpr std::size_t kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 
@@ -36,7 +36,7 @@ struct LaneSums {
   std::memcpy(&out.z, &pixels.z[at], sizeof(Lanes));
 }
 
-// The squared distance to the nearer of two pixels, infinite where neither holds a point.
+// The squared distance to the nearer of two pixels, infinite if neither holds a point.
 [[gnu::always_inline]] inline void nearer_of(const PixelPoints& pixels, const LanePoints& center,
                                              std::size_t one, std::size_t other, Lanes& out) {
   out = Lanes{} + std::numeric_limits<float>::infinity();
@@ -49,7 +49,7 @@ struct LaneSums {
   }
 }
 
-// The squared distance within which neighbors count; 0 for a pixel without neighbors.
+// The squared distance up to which neighbors count; 0 for a pixel without neighbors.
 [[gnu::always_inline]] inline void squared_gate(const PixelPoints& pixels, const LanePoints& center,
                                                 std::size_t at, float factor, Lanes& out) {
   const Lanes infinity = Lanes{} + std::numeric_limits<float>::infinity();
@@ -168,7 +168,7 @@ void estimate_normals_grid(const GridScan& scan, const GridNormalOptions& option
       sum_window(pixels, center, at, options.window, gate, sums);
       fit_lanes(sums, planes);
 
-      // Turn each normal to the sensor and hand it to its point.
+      // Orient each normal to the sensor and write it to its point.
       for (std::size_t lane = 0; lane < indices.size(); ++lane) {
         if (indices[lane] == PixelGrid::kNone) continue;
         const auto i = static_cast<std::size_t>(indices[lane]);

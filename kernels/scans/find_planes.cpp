@@ -17,7 +17,7 @@ bool lies_on(const Plane& plane, const Eigen::Vector3f& p, const Eigen::Vector3f
   return lies_near(plane, p, tolerance) && plane.normal.dot(n) >= min_cosine;
 }
 
-/// The number of the first plane that `lies` holds for, from 1; 0 for none.
+/// The number of the first plane that satisfies `lies`, from 1; 0 for none.
 template <class Lies>
 std::uint8_t first_plane(std::span<const Plane> planes, Lies&& lies) noexcept {
   for (std::size_t k = 0; k < planes.size(); ++k) {
@@ -26,15 +26,15 @@ std::uint8_t first_plane(std::span<const Plane> planes, Lies&& lies) noexcept {
   return 0;
 }
 
-/// Points that are not on a plane yet.
+/// Points that are not assigned to a plane yet.
 struct LeftPoints {
   PointsView points;
   NormalsView normals;
   std::span<const float> areas;
-  std::span<const std::uint8_t> taken;  // not 0: on a plane that was found
+  std::span<const std::uint8_t> taken;  // not 0: on a plane already found
 };
 
-/// Least squares through the points on the plane, weighted by area.
+/// Least-squares fit to the inliers, weighted by area.
 Plane refit(const Plane& plane, const LeftPoints& left, float tolerance, float min_cosine) {
   const auto& [points, normals, areas, taken] = left;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -76,7 +76,7 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
   while (!points.empty() && planes.size() < options.max_planes) {
     Plane best;
     for (int trial = 0; trial < options.num_trials; ++trial) {
-      // The top bits of multiples of 2^64 / phi visit the points evenly.
+      // The top bits of multiples of 2^64 / phi sample the points evenly.
       sequence += 0x9E3779B97F4A7C15ULL;
       const auto i = static_cast<std::size_t>(
           (static_cast<unsigned __int128>(sequence) * points.size()) >> 64);
@@ -90,7 +90,7 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
       if (plane.area > best.area) best = plane;
     }
     if (!(best.area > 0.3F * options.min_area))
-      break;  // one point's normal meets only part of its plane
+      break;  // a single point's normal captures only part of its plane
     for (int round = 0; round < 3; ++round) {
       best = refit(best, {points, normals, areas, taken}, options.tolerance, min_cosine);
     }

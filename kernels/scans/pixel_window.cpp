@@ -11,14 +11,15 @@ struct Stretch {
   std::uint32_t first = 0, count = 0;
 };
 
-/// Pixels of one axis of the image: `across` is the ball's place along it. Pre: z > radius.
+/// Pixel range along one axis of the image: `across` is the ball's position along it. Pre: z >
+/// radius.
 Stretch stretch(double focal, double middle, std::uint32_t limit, double across, double z,
                 double radius) noexcept {
   const double angle = std::atan2(across, z), half = std::asin(radius / std::hypot(across, z));
   const auto pixel = [&](double tangent) {
     return std::clamp(middle + focal * tangent, -2.0, static_cast<double>(limit) + 2);
   };
-  // A pixel more on either side: rays are rounded to float.
+  // One extra pixel on either side: rays are rounded to float.
   const double first = std::max(0.0, std::ceil(pixel(std::tan(angle - half))) - 1);
   const double last = std::min<double>(limit, std::floor(pixel(std::tan(angle + half))) + 2);
   if (!(first < last)) return {};

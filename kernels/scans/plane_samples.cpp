@@ -10,7 +10,8 @@ namespace trivet::kernels {
 namespace {
 
 constexpr double kSamples = 6000;
-constexpr float kLeastCosine = 0.2F;  // a grazed surface stands for no more than five pixels
+constexpr float kLeastCosine = 0.2F;  // a surface at grazing incidence counts as at most five
+                                      // pixels
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr std::size_t kSteps = 1 << 18;  // points between two checks: some mill
 }  // namespace
 
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
-  // Two separate lines: u against x/z, v against y/z.
+  // Two separate line fits: u against x/z, v against y/z.
   double n = 0, sx = 0, sxx = 0, su = 0, sxu = 0, sy = 0, syy = 0, sv = 0, syv = 0;
   const auto each = [&](auto&& body) {
     StopCheck check_stop(kSteps);
@@ -60,7 +60,7 @@ namespace {
 constexpr float kMaxTangent = 3.732F;     // tan 75 degrees
 constexpr std::uint32_t kMaxSide = 2048;  // pixels
 
-/// Number of pixels of this pitch (in tangent units) that hold at least one point.
+/// Number of pixels of this pitch (in tangent units) with at least one point.
 std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch,
                            std::uint32_t width, std::uint32_t height, std::vector<bool>& seen) {
   seen.assign(std::size_t{width} * height, false);
@@ -78,8 +78,9 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   return occupied;
 }
 
-/// Number of places that points lie at. What is nearer than a fraction of the finest pixel is one
-/// place: clouds that hold all points twice, or once more by another writer, tell no more by that.
+/// Number of distinct positions; points closer than a fraction of the finest pixel are one
+/// position. Clouds that hold all points twice, or again after processing by another writer,
+/// contain no more information.
 std::size_t count_places(PointsView tangents, const Eigen::Vector2f& low, float finest) {
   constexpr float kParts = 16;
   constexpr auto kMost = std::uint64_t{1} << 31U;
@@ -93,7 +94,7 @@ std::size_t count_places(PointsView tangents, const Eigen::Vector2f& low, float 
   return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
 }
 
-/// The pitch at which about half of the points share their pixel with another, by bisection.
+/// The pitch at which about half of the points share a pixel with another, by bisection.
 float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent,
                    float finest) {
   std::vector<bool> seen;
@@ -103,7 +104,7 @@ float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen:
     return count_occupied(tangents, low, pitch, width, height, seen);
   };
 
-  // Few points lie at one place by chance.
+  // Few points coincide by chance.
   std::size_t num_points = tangents.size();
   if (4 * occupied_at(finest) < 3 * num_points) {
     const std::size_t num_places = count_places(tangents, low, finest);
@@ -127,8 +128,8 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   const Eigen::Vector3f towards = (box.min() + box.max()) / 2 - viewpoint;
   if (!(towards.norm() > 1e-6F * box.diagonal().norm())) return std::nullopt;
 
-  // Rows of the rotation: right, down, forward. Any roll serves; take the axis least aligned as
-  // help.
+  // Rows of the rotation: right, down, forward. Any roll will do; use the least aligned axis as an
+  // auxiliary vector.
   const Eigen::Vector3f forward = towards.normalized();
   Eigen::Index least = 0;
   forward.cwiseAbs().minCoeff(&least);

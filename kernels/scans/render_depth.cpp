@@ -17,7 +17,7 @@ void render_depth(const RayScene& scene, const Camera& camera, std::uint32_t wid
   for (std::size_t i = 0; i < depth.size(); ++i) {
     const auto u = static_cast<double>(i % width);
     const auto v = static_cast<double>(first_row + i / width);
-    // With 1 for the ray's z, the distance along the ray counts in z.
+    // If the ray's z is 1, the distance along the ray is z.
     const Eigen::Vector3f direction(static_cast<float>((u - camera.cx) / camera.fx),
                                     static_cast<float>((v - camera.cy) / camera.fy), 1);
     const Hit hit = scene.intersect(Eigen::Vector3f::Zero(), direction, 0,

@@ -11,22 +11,23 @@ namespace {
 
 constexpr std::size_t kPixels = kPatchSide * kPatchSide;
 constexpr std::size_t kTerms = 6;
-// A patch is of one surface if its rest stays within this share of its range.
+// A patch lies on one surface if its residuals stay within this share of its range.
 constexpr double kMostRest = 0.1;
 
-// Rests of independent noise correlate by this after a quadratic is taken off; of real cameras by
-// 0.09 to 0.7.
+// Correlation of residuals for independent noise after subtracting a quadratic, and for correlated
+// noise; real cameras have 0.09 to 0.7.
 constexpr double kIndependent = -0.05, kDependent = 0.15;
-// Share of the range. Where less is left over, it is shape: cameras that match windows err by a
-// twentieth of a pixel of disparity at best, 2e-4 of the range at 0.2 m.
+// Relative to the range. Smaller residuals are shape: cameras that match windows have errors of at
+// least a twentieth of a pixel of disparity, 2e-4 of the range at 0.2 m.
 constexpr double kFinest = 1e-4;
 constexpr std::size_t kFewest = 8;      // patches
 constexpr double kSmoothest = 1.0 / 3;  // of the patches
 constexpr std::size_t kRangeBins = 8;
 constexpr std::size_t kFewestInBin = 15;
-// Of the cameras at hand 1.3 to 2, and the weight of a bin's spread in log range.
+// The exponents of the available cameras are 1.3 to 2; the weight is relative to a bin's spread in
+// log range.
 constexpr double kPriorExponent = 1.5, kPriorWeight = 5, kMostExponent = 2;
-// Of correlated noise over noise, where the scan has no planes: the median of ten real scans.
+// Ratio of correlated noise to noise for scans without planes: the median of ten real scans.
 constexpr float kPriorCorrelated = 1.3F;
 constexpr float kPriorSlopeRad = 0.17F;
 
@@ -41,7 +42,7 @@ Basis make_basis() {
     const std::array<double, kTerms> terms{1, x, y, x * x, x * y, y * y};
     for (std::size_t t = 0; t < kTerms; ++t) basis[t][k] = terms[t];
   }
-  // Gram and Schmidt.
+  // Gram-Schmidt orthonormalization.
   for (std::size_t t = 0; t < kTerms; ++t) {
     for (std::size_t before = 0; before < t; ++before) {
       double dot = 0;
@@ -62,7 +63,7 @@ double quantile_of(std::vector<double>& values, double share) {
   return *at;
 }
 
-/// How deviations grow with range: weighted least squares over bins of log range, with a prior.
+/// Growth of deviations with range: weighted least squares over bins of log range, with a prior.
 double fit_exponent(std::span<const SmoothPatch> patches) {
   std::vector<double> ranges;
   for (const SmoothPatch& patch : patches)
