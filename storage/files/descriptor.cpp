@@ -67,7 +67,8 @@ Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t
 
 bool wait_for_rest(OpenedFile& opened) {
   for (int look = 0; look < kMostLooks; ++look) {
-    // A time in the future, from another machine's clock, is replaced by an earlier one.
+    // A file time in the future, from another machine's clock, also differs: a change sets an
+    // earlier one.
     if (time_for_files() != opened.identity.written) return true;
     std::this_thread::sleep_for(kLookAgain);
     struct stat status {};

@@ -52,7 +52,7 @@ std::string_view nearest_name(std::string_view name, std::span<const std::string
   if (name.size() > kMostLetters) return {};
   const std::string found = folded(name);
   std::string_view nearest;
-  std::size_t least = found.size() / 3 + 1;  // largest distance of a near name
+  std::size_t least = found.size() / 3 + 1;  // smaller distances are near
   for (const std::string_view one : known) {
     const std::size_t differing = num_differing(found, folded(one));
     if (differing < least) {

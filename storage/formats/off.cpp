@@ -84,9 +84,7 @@ class OffReader {
   Result<Cloud> read() {
     const auto first = text_.next_word();
     auto keyword = parse_keyword(first);
-    if (!keyword && read_count(first))
-      keyword = OffKeyword{.rest = first};  // the keyword is
-                                            // optional
+    if (!keyword && read_count(first)) keyword = OffKeyword{.rest = first};  // optional
     if (!keyword) {
       return refuse(
           "a file that begins with OFF, COFF, NOFF or STOFF, of vertices with three coordinates",

@@ -33,7 +33,7 @@ struct Format {
 #ifdef TRIVET_BUILD_STEP
 constexpr bool kReadsStep = true;
 #else
-constexpr bool kReadsStep = false;  // folders are not refused because of such files
+constexpr bool kReadsStep = false;  // STEP files in a folder are not an error
 #endif
 
 constexpr Format kFormats[] = {

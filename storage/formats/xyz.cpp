@@ -182,7 +182,7 @@ class XyzReader {
     // PTS format: x y z intensity, then a color.
     if (columns_.count == 4 || columns_.count == 7) set_intensity(3);
     if (take_names(names) || header_line == 0) return {};
-    // Titles are not column names, and three columns need no names.
+    // A title is not a list of names, and the names of three columns do not matter.
     const bool are_names = delimiter_ != Delimiter::blanks && names.size() == columns_.count;
     const auto position = find_names(names, kPosition);
     if (position ? *position == std::vector<std::size_t>{0, 1, 2}
