@@ -6,7 +6,7 @@
 namespace trivet::kernels {
 namespace {
 
-// Streams of random numbers, apart from each other and from that of drop_points.cpp.
+// Streams of random numbers, distinct from each other and from that of drop_points.cpp.
 constexpr std::uint64_t kGaussian = 0x6A75, kRay = 0x7261, kShot = 0x7368;
 
 }  // namespace

@@ -15,7 +15,7 @@ void deform_surface(PointsSpan points, double diameter, double rms, std::uint64_
     double phase;
   };
   std::array<Wave, 6> waves;
-  // A wave's mean square is half its squared height, and the waves are independent.
+  // A wave's mean square is half its squared amplitude, and the waves are independent.
   const double height = rms * std::sqrt(2.0 / static_cast<double>(waves.size()));
   for (std::size_t k = 0; k < waves.size(); ++k) {
     CounterRandom random(seed, 0, k);

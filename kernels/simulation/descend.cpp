@@ -14,10 +14,10 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kMaxSweeps = 300;
-constexpr double kConverged = 1e-5;  // of `fall`
+constexpr double kConverged = 1e-5;  // relative to `fall`
 
-/// One direction at a contact. The body turns in units of its radius of gyration: its mass is 1 for
-/// shifts and turns alike.
+/// One direction at a contact. The body rotates in units of its radius of gyration: its mass is 1
+/// for shifts and rotations alike.
 struct Row {
   Vector3d shift, turn;
   double inverse_mass;
@@ -42,7 +42,8 @@ struct Velocity {
   }
 };
 
-/// Let one contact push and rub as much as it has to. Returns the largest change of an impulse.
+/// Solve one contact for its normal and friction impulses. Returns the largest change of an
+/// impulse.
 double relax(Held& held, double friction, Velocity& velocity) {
   const double push = std::max(
       0.0, held.push - (velocity.along(held.normal) + held.gap) / held.normal.inverse_mass);

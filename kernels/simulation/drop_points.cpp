@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint64_t kThinning = 0x7468;  // a stream of random numbers, see add_noise.cpp
 
-/// How far a point lies along a direction; the same bits wherever it is asked for.
+/// Coordinate of a point along a direction; the same bits in every call.
 float along(const Eigen::Vector3f& direction, PointsView points, std::size_t i) noexcept {
   return direction.x() * points.x[i] + direction.y() * points.y[i] + direction.z() * points.z[i];
 }

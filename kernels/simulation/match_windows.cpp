@@ -13,11 +13,11 @@ namespace {
 constexpr std::size_t kMaxDots =
     std::size_t{2 * kMaxHalfWindow + 1} * std::size_t{2 * kMaxHalfWindow + 1};
 
-/// The dots that a window sees.
+/// The dots in a window.
 struct Votes {
   std::array<float, kMaxDots> disparities, weights;
   std::size_t count = 0;
-  float weight_of_all = 0;  // those that are not seen, too
+  float weight_of_all = 0;  // includes unseen dots
 };
 
 /// The dots of an image, row by row.
@@ -47,7 +47,7 @@ void gather(const DotImage& image, int u, int v, const WindowMatching& options,
   }
 }
 
-/// What agrees with a disparity.
+/// The dots that agree with a disparity.
 struct Cluster {
   std::size_t count = 0;
   float weight = 0, sum = 0;
@@ -67,7 +67,7 @@ Cluster cluster_about(const Votes& votes, float disparity, float reach) noexcept
 Cluster winner(const Votes& votes, float reach) noexcept {
   float sum = 0;
   for (std::size_t k = 0; k < votes.count; ++k) sum += votes.disparities[k];
-  // Far from edges all agree.
+  // Far from edges all dots agree.
   Cluster best = cluster_about(votes, sum / static_cast<float>(votes.count), reach);
   if (best.count == votes.count) return best;
   best = {};

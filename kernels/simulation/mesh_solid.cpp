@@ -19,20 +19,22 @@ using Eigen::Vector3f;
 using Index3 = std::array<std::uint32_t, 3>;
 
 constexpr std::uint32_t kNone = 0xFFFF'FFFFU;
-// Of squared normals: directions in which the planes of a cell agree less are no constraint.
+// Relative to squared normals: directions with weaker agreement of a cell's planes are no
+// constraint.
 constexpr double kMinConstraint = 0.02;
-// How far beyond its cell a vertex may go to meet an edge whose tip no lattice edge crosses.
+// Distance beyond its cell that a vertex may move to meet an edge whose tip no lattice edge
+// crosses.
 constexpr float kReach = 0.3F;
 
-/// A lattice around a solid; nodes are numbered x first, then y, then z. Cells are named by their
-/// lowest node.
+/// A lattice around a solid; nodes are numbered x first, then y, then z. Cells are identified by
+/// their lowest node.
 struct Lattice {
   Vector3f origin;
   float cell;
-  Index3 counts;  ///< of nodes
+  Index3 counts;  ///< number of nodes
   std::array<std::size_t, 3> strides;
 
-  // Two cells to spare all round. The shift keeps faces at round coordinates off the nodes.
+  // Two spare cells on all sides. The shift keeps faces at round coordinates off the nodes.
   Lattice(const Eigen::AlignedBox3f& bounds, float edge) : cell(edge) {
     const Vector3f shift(0.377F, 0.419F, 0.461F);
     origin = bounds.min() - edge * (2 * Vector3f::Ones() - shift);
@@ -61,7 +63,7 @@ struct Lattice {
   }
 };
 
-/// The solid in blocks of nodes: in each, only the parts that matter there.
+/// The solid in blocks of nodes, each restricted to the parts that matter there.
 class Blocks {
  public:
   Blocks(const Lattice& lattice, const Solid& solid) : lattice_(lattice), values_(lattice.size()) {
@@ -76,23 +78,23 @@ class Blocks {
     }
   }
 
-  /// Value at a node; away from the surface only its sign is right.
+  /// Value at a node; away from the surface only its sign is correct.
   float operator[](std::size_t i) const { return values_[i]; }
   bool inside(std::size_t i) const { return values_[i] < 0; }
   void put_inside(std::size_t i) { values_[i] = -std::numeric_limits<float>::min(); }
 
-  /// The solid's values in and just below a cell that the surface crosses.
+  /// The solid restricted to the neighborhood of a cell that the surface crosses.
   const Solid& near(const Index3& cell) const { return near_[near_of_block_[index(cell)]]; }
 
  private:
-  static constexpr std::uint32_t kBlock = 4;  // nodes along a block
+  static constexpr std::uint32_t kBlock = 4;  // nodes along a side of a block
 
   std::size_t index(const Index3& node) const {
     return node[0] / kBlock +
            counts_[0] * (node[1] / kBlock + std::size_t{counts_[1]} * (node[2] / kBlock));
   }
 
-  // A ball about the block holds its cells, those below, and what their vertices may reach.
+  // A ball about the block contains its cells, those below, and the range of their vertices.
   void fill(const Solid& solid, const Index3& block, Solid& near) {
     Index3 low, high;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -116,13 +118,13 @@ class Blocks {
 
   const Lattice& lattice_;
   std::vector<float> values_;
-  Index3 counts_;  // of blocks
+  Index3 counts_;  // number of blocks
   std::vector<std::uint32_t> near_of_block_;
   std::vector<Solid> near_;
 };
 
-/// Put outside nodes inside until the set is well-composed. Each pass looks at every 2 x 2 x 2
-/// nodes; nodes only ever go inside, so it ends.
+/// Move outside nodes inside until the set is well-composed. Each pass tests every 2 x 2 x 2 nodes;
+/// nodes only ever move inside, so it terminates.
 void make_well_composed(const Lattice& lattice, Blocks& values) {
   const auto& s = lattice.strides;
   const Index3 end{lattice.counts[0] - 1, lattice.counts[1] - 1, lattice.counts[2] - 1};
@@ -130,7 +132,7 @@ void make_well_composed(const Lattice& lattice, Blocks& values) {
   while (changed) {
     changed = false;
     lattice.for_nodes({0, 0, 0}, end, [&](const Index3&, std::size_t i) {
-      // The four nodes of a face: a diagonal inside, the other outside.
+      // The four nodes of a face: one diagonal inside, the other outside.
       for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t u = i + s[k], v = i + s[(k + 1) % 3], w = u + s[(k + 1) % 3];
         const bool here = values.inside(i);
@@ -156,11 +158,11 @@ void make_well_composed(const Lattice& lattice, Blocks& values) {
   }
 }
 
-/// The planes that a cell's vertex is to meet, as sums about the lattice's origin.
+/// The tangent planes for a cell's vertex, as sums about the lattice's origin.
 struct Planes {
-  Matrix3d normals = Matrix3d::Zero();    ///< of n n^T
-  Vector3d offsets = Vector3d::Zero();    ///< of n (n . p)
-  Vector3d crossings = Vector3d::Zero();  ///< of p
+  Matrix3d normals = Matrix3d::Zero();    ///< sum of n n^T
+  Vector3d offsets = Vector3d::Zero();    ///< sum of n (n . p)
+  Vector3d crossings = Vector3d::Zero();  ///< sum of p
   double count = 0;
 
   void add(const Vector3f& normal, const Vector3f& point) {
@@ -170,7 +172,7 @@ struct Planes {
     crossings += p;
     count += 1;
   }
-  /// The point nearest to the mean crossing among those that meet the planes best.
+  /// The least-squares intersection of the planes that is nearest to the mean crossing.
   Vector3f meet() const {
     const Vector3d mean = crossings / count, left = offsets - normals * mean;
     Eigen::SelfAdjointEigenSolver<Matrix3d> solver;
@@ -185,7 +187,7 @@ struct Planes {
   }
 };
 
-/// A lattice edge that the surface crosses, from a node towards +axis.
+/// A lattice edge from a node towards +axis that crosses the surface.
 struct Crossing {
   Index3 node;
   std::uint32_t axis;
@@ -208,7 +210,7 @@ class CellVertices {
 
   const std::vector<Crossing>& crossings() const { return crossings_; }
 
-  /// The cells about a crossed edge, in the sense of the right hand about its axis.
+  /// The cells about a crossed edge, in right-handed order about its axis.
   std::array<std::size_t, 4> cells(const Crossing& c) const {
     const std::size_t i = lattice_.index(c.node), u = lattice_.strides[(c.axis + 1) % 3],
                       v = lattice_.strides[(c.axis + 2) % 3];
@@ -225,7 +227,7 @@ class CellVertices {
         const Vector3f reach = (1 + 2 * kReach) * half;
         return p.cwiseMax(center - reach).cwiseMin(center + reach);
       };
-      // Tangent planes of curved faces meet beside the surface: one step towards it.
+      // Tangent planes of curved faces meet beside the surface: move one step towards it.
       const Vector3f met = limit(planes_[i].meet());
       const SolidSample there = values_.near(cells_[i]).sample(met);
       points.set(i, limit(met - there.distance * there.gradient));
@@ -242,8 +244,8 @@ class CellVertices {
     Vector3f point = lattice_.position(crossing.node);
     point[crossing.axis] += share * lattice_.cell;
     const SolidSample there = values_.near(crossing.node).sample(point);
-    const Vector3f normal = there.gradient.stableNormalized();  // none where the slope is none
-    const float slope = std::max(there.gradient.norm(), 0.1F);  // blends are flatter, not much
+    const Vector3f normal = there.gradient.stableNormalized();  // zero without a slope
+    const float slope = std::max(there.gradient.norm(), 0.1F);  // blends are a little flatter
     const Vector3f foot = point - there.distance / slope * normal;
     const Index3& n = crossing.node;
     const std::uint32_t u = (crossing.axis + 1) % 3, v = (crossing.axis + 2) % 3;
@@ -264,12 +266,12 @@ class CellVertices {
   const Lattice& lattice_;
   const Blocks& values_;
   std::vector<std::uint32_t> vertex_of_cell_;
-  std::vector<Planes> planes_;  // one a vertex
-  std::vector<Index3> cells_;   // one a vertex
+  std::vector<Planes> planes_;  // one per vertex
+  std::vector<Index3> cells_;   // one per vertex
   std::vector<Crossing> crossings_;
 };
 
-/// Two triangles, along the diagonal that is nearer to the surface: creases are kept.
+/// Add two triangles, split along the diagonal nearer to the surface: creases are preserved.
 void add_quadrangle(const Solid& solid, const std::array<std::uint32_t, 4>& q, Mesh& mesh) {
   const auto error = [&](std::uint32_t i, std::uint32_t j) {
     return std::abs(solid.distance((mesh.vertices[i] + mesh.vertices[j]) / 2));
@@ -295,7 +297,7 @@ Mesh mesh_solid(const Solid& solid, float cell) {
     std::array<std::uint32_t, 4> corners;
     std::ranges::transform(vertices.cells(crossing), corners.begin(),
                            [&](std::size_t i) { return vertices.vertex(i); });
-    // Seen along the axis, the surface that leaves the solid faces that way.
+    // The surface faces along the axis where the axis leaves the solid.
     if (!values.inside(lattice.index(crossing.node))) std::ranges::reverse(corners);
     add_quadrangle(values.near(crossing.node), corners, mesh);
   }

@@ -8,7 +8,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Weights of four knots at a place 0..1 between the middle two.
+/// Weights of four knots at a position 0..1 between the middle two.
 std::array<double, 4> spline(double t) noexcept {
   const double s = 1 - t;
   return {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,

@@ -14,8 +14,9 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Facet = Eigen::Matrix3d;
 
-constexpr double kSlack = 1e-9;        // [m], for rounding in bounds and at the edges of triangles
-constexpr std::uint32_t kBuckets = 8;  // contacts are spread over so many squared places
+constexpr double kSlack = 1e-9;        // [m], tolerance for rounding in bounds and at the edges of
+                                       // triangles
+constexpr std::uint32_t kBuckets = 8;  // contacts are distributed over so many squared buckets
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -29,21 +30,21 @@ Facet corners(PointsView vertices, const Triangles& triangles, std::size_t t) {
   return facet;
 }
 
-/// Height of a facet over a place, if it lies over it.
+/// Height of a facet at a position that it covers.
 bool height_over(const Facet& facet, const Vector3d& place, double& height) {
   const Vector2d a = facet.col(0).head<2>(), b = facet.col(1).head<2>(), c = facet.col(2).head<2>(),
                  p = place.head<2>();
   const double area = cross(b - a, c - a);
   const double sides = (b - a).cwiseAbs().maxCoeff() + (c - a).cwiseAbs().maxCoeff();
-  if (std::abs(area) <= 1e-12 * sides * sides) return false;  // upright: its edges tell
+  if (std::abs(area) <= 1e-12 * sides * sides) return false;  // upright: its edges are tested
   const double u = cross(c - b, p - b) / area, v = cross(a - c, p - c) / area, w = 1 - u - v;
   if (std::min({u, v, w}) < -1e-9) return false;
   height = u * facet(2, 0) + v * facet(2, 1) + w * facet(2, 2);
   return true;
 }
 
-/// Call touch(point, normal, clearance, gap per clearance) wherever the clearance between two
-/// facets may be least.
+/// Call touch(point, normal, clearance, gap per clearance) at all candidates for the least
+/// clearance between two facets.
 template <class Touch>
 void compare(const Facet& upper, const Facet& lower, Touch&& touch) {
   double height = 0;
@@ -66,20 +67,20 @@ void compare(const Facet& upper, const Facet& lower, Touch&& touch) {
     for (int j = 0; j < 3; ++j) {
       const Vector3d b = lower.col(j), across = lower.col((j + 1) % 3) - b;
       const double turn = cross(along.head<2>(), across.head<2>());
-      if (turn == 0) continue;  // beside each other: their ends tell
+      if (turn == 0) continue;  // side by side: their ends are tested
       const Vector2d between = (b - a).head<2>();
       const double s = cross(between, across.head<2>()) / turn,
                    t = cross(between, along.head<2>()) / turn;
       if (std::min(s, t) < 0 || std::max(s, t) > 1) continue;
       const Vector3d p = a + s * along;
-      // The edge may lie within a flat face: then its normal holds at the very crossing only, and
-      // taken for a wall it would stop bodies in the middle of nowhere.
+      // The edge may lie within a flat face: then its normal holds only at the crossing, and
+      // treated as a wall it would stop bodies in free space.
       touch(p, upwards(along.cross(across)), p.z() - (b.z() + t * across.z()), 1.0);
     }
   }
 }
 
-/// Columns and rows of the grid, beyond which -1 and `side` stand.
+/// Columns and rows of the grid; -1 and `side` stand for outside.
 struct Places {
   double half_side, cell;
   std::ptrdiff_t side;
@@ -97,8 +98,7 @@ struct Places {
   }
 };
 
-/// The least and the largest x of a facet where south <= y <= north; the least is larger if
-/// nowhere.
+/// The x range of a facet where south <= y <= north; the minimum is larger if it is empty.
 std::pair<double, double> across_strip(const Facet& facet, double south, double north) {
   double west = std::numeric_limits<double>::infinity(), east = -west;
   for (int i = 0; i < 3; ++i) {
@@ -120,12 +120,12 @@ std::pair<double, double> across_strip(const Facet& facet, double south, double 
   return {west, east};
 }
 
-/// Of many contacts at one place that push the same way, the nearest tells.
+/// Keeps only the nearest of many contacts at one position with similar normals.
 class ContactSieve {
  public:
-  /// low, high  corners of the body's box before it is shifted
+  /// low, high  corners of the body's box before the shift
   /// buckets    scratch
-  /// contacts   out
+  /// contacts   output
   ContactSieve(const Vector3d& low, const Vector3d& high, const Vector3d& shift,
                std::vector<std::uint32_t>& buckets, std::vector<Contact>& contacts)
       : low_(low),
@@ -159,7 +159,7 @@ class ContactSieve {
 
  private:
   static constexpr std::uint32_t kNone = 0xFFFF'FFFFU;
-  static constexpr std::uint32_t kDirections = 5;  // of a normal along x, and along y
+  static constexpr std::uint32_t kDirections = 5;  // directions of a normal along x, and along y
   Vector3d low_, shift_;
   Vector2d extent_;
   std::vector<std::uint32_t>& buckets_;
@@ -187,8 +187,8 @@ Pile::Cells Pile::cells_under(const Facet& facet) const noexcept {
           std::min(places.at(high.y() + kSlack), side_ - 1)};
 }
 
-/// Call visit(cell, height) with a height that the facet does not exceed (sign 1) or does not go
-/// below (sign -1) over the cell.
+/// Call visit(cell, height) with an upper (sign 1) or lower (sign -1) bound of the facet's height
+/// over the cell.
 template <class Visit>
 void Pile::for_cells_under(const Facet& facet, double sign, Visit&& visit) const {
   const Cells cells = cells_under(facet);
@@ -270,7 +270,8 @@ void Pile::find_candidates(PointsView vertices, const Triangles& triangles, cons
     const auto [y0, y1] = std::minmax({vertices.y[a], vertices.y[b], vertices.y[c]});
     const std::ptrdiff_t u0 = places.column(x0, -kSlack), u1 = places.column(x1, kSlack),
                          v0 = places.row(y0, -kSlack), v1 = places.row(y1, kSlack);
-    if (u1 - u0 > 1 || v1 - v0 > 1) {  // large: its slope bounds it better than its lowest corner
+    if (u1 - u0 > 1 || v1 - v0 > 1) {  // large: its slope gives a better bound than its lowest
+                                       // corner
       const Facet facet = corners(vertices, triangles, t).colwise() + shift;
       for_cells_under(facet, -1,
                       [&](std::size_t cell, double height) { propose(t, cell, height); });
@@ -290,7 +291,7 @@ double Pile::find_clearance(PointsView vertices, const Triangles& triangles, con
   auto& touches = scratch.touches;
   touches.clear();
   double best = clearance;
-  // Cells by rising bound, until none can be lower than what was found.
+  // Cells by ascending bound, until none can be lower than the best found.
   const auto later = [](const Scratch::Candidate& a, const Scratch::Candidate& b) {
     return a.bound > b.bound;
   };

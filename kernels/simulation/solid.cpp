@@ -39,7 +39,7 @@ struct Placement {
   explicit Placement(const Values& v) : rotation(v.data()), translation(v.data() + 9) {}
 };
 
-/// The turn about z that takes a point to the sector of the first copy, and its side there.
+/// The rotation about z that moves a point to the sector of the first copy, and its side there.
 struct Fold {
   float half_step, cosine, sine, side;
 
@@ -56,11 +56,11 @@ struct Fold {
   Vector3f undo(const Vector3f& v) const noexcept {
     return {cosine * v.x() - sine * side * v.y(), sine * v.x() + cosine * side * v.y(), v.z()};
   }
-  /// What `apply` does to all points of this sector.
+  /// The linear map of `apply` for all points of this sector.
   Matrix3f matrix() const noexcept {
     return Matrix3f{{cosine, sine, 0}, {-side * sine, side * cosine, 0}, {0, 0, 1}};
   }
-  /// From a point that has been applied to, to the nearest where another turn or side begins.
+  /// Distance of a transformed point from the nearest border to another sector or side.
   float distance_to_sides(const Vector3f& p) const noexcept {
     return std::min(p.y(), std::sin(half_step) * p.x() - std::cos(half_step) * p.y());
   }
@@ -68,7 +68,7 @@ struct Fold {
 
 Vector3f mirror_x(const Vector3f& p) noexcept { return {-p.x(), p.y(), p.z()}; }
 
-/// Unit vector; along x for a vector of no length.
+/// Unit vector; along x for a zero vector.
 Vector2f direction(const Vector2f& v, float length) noexcept {
   return length > 0 ? Vector2f(v / length) : Vector2f::UnitX();
 }
@@ -103,10 +103,10 @@ SolidSample torus_sample(const Values& v, const Vector3f& p) noexcept {
 }
 
 /// values: r0, r1, length, and the normal (c, s) of the upper side of the hull, c = (r0 - r1) /
-/// length. Nearest is a disc or a side, by the place along the side.
+/// length. The position along the side determines whether a disc or the side is nearest.
 SolidSample oblong_sample(const Values& v, const Vector3f& p) noexcept {
   const float c = v[3], s = v[4], y = std::abs(p.y());
-  const float along = s * p.x() - c * y;  // from where the side leaves the first disc
+  const float along = s * p.x() - c * y;  // from the point where the side leaves the first disc
   Vector2f gradient(c, s);
   float distance = c * p.x() + s * y - v[0];
   if (along < 0 || along > s * v[2]) {
@@ -138,7 +138,7 @@ SolidSample Solid::sample(const Vector3f& point) const noexcept {
   return evaluate(node, point);
 }
 
-// Reads one expression; leaves `node` behind it.
+// Evaluates one expression; `node` then points behind it.
 SolidSample Solid::evaluate(const Node*& node, const Vector3f& p) noexcept {
   const Node& here = *node++;
   switch (here.kind) {
@@ -202,7 +202,7 @@ float Solid::restrict_to(const Vector3f& point, float radius, Solid& out) const 
   return restrict_node(node, point, radius, out.nodes_);
 }
 
-// Values change by at most the radius: of two that are farther apart than twice that, one decides.
+// Values change by at most the radius: of two that differ by more than twice that, one decides.
 float Solid::restrict_node(const Node*& node, const Vector3f& p, float radius,
                            std::vector<Node>& out) {
   const Node& here = *node++;
