@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kBlock = 16;
 
-/// Each byte is a loop that the compiler unrolls where the stride is known.
+/// Byte by byte, in a loop that the compiler unrolls for a known stride.
 template <std::size_t Stride>
 [[gnu::always_inline]] inline void distances(const std::uint8_t* __restrict code,
                                              const std::uint8_t* __restrict others,
@@ -54,15 +54,15 @@ void find_norms(const std::uint8_t* __restrict codes, std::size_t stride, std::s
 
 #if defined(__x86_64__)
 
-#pragma GCC diagnostic push  // GCC 12 warns of its own intrinsics
+#pragma GCC diagnostic push  // GCC 12 warns about its own intrinsics
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
-/// Sums of each of two vectors, in quarters of theirs: a b a b in every four numbers.
+/// Partial sums of two vectors, interleaved: a b a b in every four numbers.
 TRIVET_BYTE_PRODUCTS inline __m512i add_halves(__m512i a, __m512i b) noexcept {
   return _mm512_add_epi32(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
 }
 
-/// The first two quarters of each vector added, and the last two.
+/// Sums of the first two quarters of each vector, and of the last two.
 TRIVET_BYTE_PRODUCTS inline __m512i add_quarters(__m512i a, __m512i b) noexcept {
   return _mm512_add_epi32(_mm512_shuffle_i32x4(a, b, 0x88), _mm512_shuffle_i32x4(a, b, 0xdd));
 }
@@ -78,7 +78,7 @@ TRIVET_BYTE_PRODUCTS inline __m512i sums_of(const __m512i* v) noexcept {
   return add_quarters(add_quarters(fours[0], fours[1]), add_quarters(fours[2], fours[3]));
 }
 
-/// Sixteen codes at a time, one instruction for the product of each with the query.
+/// Processes sixteen codes at a time, with one instruction for the product of each with the query.
 TRIVET_BYTE_PRODUCTS void distances_by_products(const std::uint8_t* __restrict code,
                                                 const std::uint8_t* __restrict others,
                                                 const std::int32_t* __restrict norms, std::size_t n,
@@ -111,7 +111,7 @@ void insert(const CodeNeighbor& neighbor, CodeNeighbor* nearest, std::size_t k) 
   nearest[at] = neighbor;
 }
 
-/// Most codes are too far: a block of them is passed over at once.
+/// Most codes are too far: whole blocks of them are skipped.
 TRIVET_SIMD_CLONES
 void keep(const std::uint32_t* __restrict squared, std::size_t n, std::uint32_t first,
           CodeNeighbor* nearest, std::size_t k) noexcept {

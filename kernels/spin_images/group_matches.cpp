@@ -12,7 +12,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Whether the points of two matches are as far apart in the scene as in the model.
+/// Whether the points of two correspondences are as far apart in the scene as in the model.
 bool agree(const PointMatches& matches, std::uint32_t i, std::uint32_t j, float tolerance) {
   const float scene = (matches.scene[i] - matches.scene[j]).norm();
   const float model = (matches.model[i] - matches.model[j]).norm();
@@ -71,7 +71,7 @@ std::vector<Hypothesis> group_by_ransac(const PointMatches& matches, float toler
     std::array<std::uint32_t, 3> triple{};
     for (std::uint32_t& i : triple) i = static_cast<std::uint32_t>(random.next() % n);
     const auto [a, b, c] = triple;
-    // Points that coincide hold no pose.
+    // Coincident points do not determine a pose.
     const auto holds = [&](std::uint32_t i, std::uint32_t j) {
       return (matches.model[i] - matches.model[j]).norm() > 2 * tolerance &&
              agree(matches, i, j, tolerance);

@@ -13,7 +13,8 @@ namespace {
 constexpr std::size_t kFewest = 5;
 constexpr std::size_t kMoments = 10;  // weight; x y z; xx xy xz yy yz zz
 
-/// Weighted sums over the points, each lane on its own: no processor adds in another order.
+/// Weighted sums over the points, in separate lanes: the order of addition is the same on all
+/// processors.
 template <std::size_t N>
 struct Lanes {
   alignas(64) std::array<std::array<float, Support::kLanes>, N> sums{};
@@ -86,7 +87,7 @@ LocalFrame frame_of(const Moments& moments, float radius, const Eigen::Vector3f&
   if (!(moments.weight > 0) || !(moments.second.trace() > 0)) return frame;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(moments.second);
-  const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0);  // rising
+  const Eigen::Vector3d values = solver.eigenvalues().cwiseMax(0);  // ascending
   Eigen::Vector3d e1 = solver.eigenvectors().col(2), e3 = solver.eigenvectors().col(0);
   const double along = moments.first.dot(e1);
   if (along < 0) e1 = -e1;

@@ -12,10 +12,11 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kCodes = 64;          // codes that are compared with a centroid at a time
-constexpr std::size_t kFewCentroids = 256;  // that stay in the first cache with their distances
+constexpr std::size_t kCodes = 64;          // codes compared with a centroid at a time
+constexpr std::size_t kFewCentroids = 256;  // centroids that stay in the first-level cache with
+                                            // their distances
 
-/// One code after the other, on any processor.
+/// One code after the other, for any processor.
 void nearest_one_by_one(std::span<const std::uint8_t> codes, std::size_t stride,
                         std::span<const std::uint8_t> centroids,
                         std::span<const std::int32_t> norms,
@@ -42,10 +43,10 @@ void nearest_one_by_one(std::span<const std::uint8_t> codes, std::size_t stride,
 
 constexpr std::size_t kLanes = 16;                 // numbers in a vector
 constexpr std::size_t kQuads = kUsualStride / 4;   // four bytes of a code make one number
-constexpr std::size_t kVectors = kCodes / kLanes;  // that hold one quad of each code
-constexpr std::size_t kTile = 6;                   // centroids: 24 sums stay in registers
+constexpr std::size_t kVectors = kCodes / kLanes;  // vectors for one quad of each code
+constexpr std::size_t kTile = 6;                   // centroids per tile: 24 sums stay in registers
 
-/// The bytes of 64 codes less 128, quad by quad: a vector has that of sixteen codes.
+/// The bytes of 64 codes minus 128, quad by quad: a vector has one quad of sixteen codes.
 struct alignas(64) Quads {
   std::array<std::array<std::uint32_t, kCodes>, kQuads> of;
 };
@@ -61,16 +62,16 @@ void fill(Quads& quads, std::span<const std::uint8_t> codes) noexcept {
   }
 }
 
-#pragma GCC diagnostic push  // GCC 12 warns of its own intrinsics
+#pragma GCC diagnostic push  // GCC 12 warns about its own intrinsics
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 
-/// For each of 64 codes the nearest centroid so far, and its distance less the code's own square.
+/// For each of 64 codes the nearest centroid so far, and its distance minus the code's own square.
 struct Nearest {
   __m512i distance[kVectors], index[kVectors];
 };
 
-/// Compare all 64 codes with some centroids, as one multiplies matrices: what is loaded is used for
-/// all pairs of a tile.
+/// Compare all 64 codes with some centroids, as in matrix multiplication: loaded values are used
+/// for all pairs of a tile.
 template <std::size_t Tile>
 [[gnu::always_inline]] TRIVET_BYTE_PRODUCTS inline void compare(const Quads& quads,
                                                                 const std::uint8_t* centroids,
@@ -112,7 +113,7 @@ template <std::size_t Tile>
   }
 }
 
-/// A block of at most 64 codes.
+/// Process a block of at most 64 codes.
 TRIVET_BYTE_PRODUCTS void nearest_by_products(std::span<const std::uint8_t> codes,
                                               std::span<const std::uint8_t> centroids,
                                               std::span<const std::int32_t> norms,

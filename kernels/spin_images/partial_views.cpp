@@ -12,7 +12,7 @@ namespace {
 /// Plane p holds bit p of the counters of all views.
 using BitCounters = std::array<std::uint64_t, 8>;
 
-/// Count the bits that are set; 255 stays 255.
+/// Add the set bits to the counters, saturating at 255.
 void add(ViewBits bits, BitCounters& counters) noexcept {
   for (std::uint64_t& plane : counters) {
     const std::uint64_t carry = plane & bits;
@@ -23,14 +23,14 @@ void add(ViewBits bits, BitCounters& counters) noexcept {
   for (std::uint64_t& plane : counters) plane |= bits;
 }
 
-/// Bit k of eight as the number 0 or 1 of byte k.
+/// Expand eight bits to bytes: byte k is bit k as 0 or 1.
 std::uint64_t spread(std::uint64_t bits) noexcept {
   bits = (bits | bits << 28) & 0x0000000F0000000F;
   bits = (bits | bits << 14) & 0x0003000300030003;
   return (bits | bits << 7) & 0x0101010101010101;
 }
 
-/// The counts of eight views from `first` on, a byte each; planes from num_planes on are empty.
+/// The counts of eight views from `first` on, one byte each; planes from num_planes on are empty.
 std::uint64_t eight_counts(std::size_t first, const BitCounters& counters,
                            std::size_t num_planes) noexcept {
   std::uint64_t counts = 0;
@@ -40,7 +40,7 @@ std::uint64_t eight_counts(std::size_t first, const BitCounters& counters,
 
 using Square = std::array<std::uint64_t, 64>;
 
-/// Swap the squares of `Half` bits that lie aside of the diagonal, in each square of twice that.
+/// In each square of twice `Half` bits, swap the two off-diagonal squares of `Half` bits.
 template <std::size_t Half>
 [[gnu::always_inline]] inline void swap_halves(Square& square) noexcept {
   constexpr std::uint64_t kLow = ~std::uint64_t{0} / ((std::uint64_t{1} << Half) + 1);
@@ -53,7 +53,7 @@ template <std::size_t Half>
   }
 }
 
-/// Bit v of word p becomes bit p of word v.
+/// Transpose bits: bit v of word p becomes bit p of word v.
 /// Source: Warren, Hacker's Delight, 7-3.
 TRIVET_SIMD_CLONES
 void transpose(Square& square) noexcept {
@@ -130,7 +130,8 @@ void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> view
     if (needed > support.places.size()) support.places.resize(2 * needed);
     std::uint32_t* const places = support.places.data();
     std::size_t kept = support.size;
-    for (std::uint32_t i = 0; i < points.size(); ++i) {  // each is written, and overwritten if far
+    for (std::uint32_t i = 0; i < points.size(); ++i) {  // branch-free: entries that are too far
+                                                         // are overwritten
       const float dx = points.x[i] - px, dy = points.y[i] - py, dz = points.z[i] - pz;
       places[kept] = before + i;
       kept += dx * dx + dy * dy + dz * dz <= limit;

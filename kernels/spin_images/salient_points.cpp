@@ -10,7 +10,7 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr double kDistinct = 0.975;  // of the next larger eigenvalue, at most
+constexpr double kDistinct = 0.975;  // largest ratio to the next larger eigenvalue
 constexpr std::uint32_t kFewestOfScatter = 5, kFewestOfPatch = 6;
 constexpr double kHarris = 0.04;
 
@@ -39,7 +39,7 @@ void rate_by_iss(const VoxelHash& grid, PointsView points, float radius,
     if (count < kFewestOfScatter) continue;
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter / sum,
                                                                 Eigen::EigenvaluesOnly);
-    const Eigen::Vector3d spread = solver.eigenvalues();  // rising
+    const Eigen::Vector3d spread = solver.eigenvalues();  // ascending
     if (spread[1] < kDistinct * spread[2] && spread[0] < kDistinct * spread[1])
       saliency[i] = static_cast<float>(std::max(0.0, spread[0]));
   }
@@ -70,7 +70,8 @@ void rate_by_harris(const VoxelHash& grid, PointsView points, NormalsView normal
     });
     if (count < kFewestOfPatch) continue;
     // z = p1/2 x^2 + p2 x y + p3/2 y^2 + p4 x + p5 y + p6
-    A.diagonal().array() += 1e-9 * static_cast<double>(count);  // points on a line hold few
+    A.diagonal().array() += 1e-9 * static_cast<double>(count);  // regularization for collinear
+                                                                // points
     const Vector6d q = A.ldlt().solve(b);
     const double xx = q[3] * q[3] + 2 * q[0] * q[0] + 2 * q[1] * q[1];
     const double yy = q[4] * q[4] + 2 * q[1] * q[1] + 2 * q[2] * q[2];

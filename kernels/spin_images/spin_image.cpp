@@ -56,8 +56,9 @@ void spin_image(const Support& support, const Eigen::Vector3f& axis, float radiu
     scratch.bins.resize(n);
   }
   find_bins(support, axis, static_cast<float>(kSpinBins - 1) / radius, scratch);
-  // Each bin collects for itself and the three bins after it, so that a point adds four numbers in
-  // one place: where neighbors add to places that half overlap, each waits for the one before.
+  // Each bin accumulates for itself and the three bins after it, so that a point adds four numbers
+  // at one address. If neighbors added to half-overlapping addresses, each would wait for the one
+  // before.
   alignas(64) std::array<FourFloats, kSpinBins * kStride> shares{};
   for (std::size_t k = 0; k < n; ++k) {
     FourFloats weights;

@@ -22,7 +22,7 @@ void gather_support(const VoxelHash& grid, std::span<const float> areas,
     float *const x = support.x.data() + before, *const y = support.y.data() + before;
     float *const z = support.z.data() + before, *const area = support.area.data() + before;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < n; ++i) {  // each is written, and overwritten where it is too far
+    for (std::size_t i = 0; i < n; ++i) {  // branch-free: entries that are too far are overwritten
       const float dx = points.x[i] - px, dy = points.y[i] - py, dz = points.z[i] - pz;
       x[kept] = dx;
       y[kept] = dy;
