@@ -15,7 +15,7 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr double kTolerance = 1e-6;  // relative; distances are compared within it
+constexpr double kTolerance = 1e-6;  // relative tolerance of distances
 constexpr std::uint32_t kLeafSize = 32;
 
 /// Largest squared distance from one point to a run of points.
@@ -24,8 +24,7 @@ float farthest_squared(const Eigen::Vector3f& from, const PointsView& points) {
   const float px = from.x(), py = from.y(), pz = from.z();
   const auto [x, y, z] = points;
   const std::size_t n = points.size();
-  // Floats that are not negative compare as their bits; the compiler vectorizes the integer
-  // maximum.
+  // Non-negative floats compare as their bits; the compiler vectorizes the integer maximum.
   std::int32_t best = 0;
   for (std::size_t i = 0; i < n; ++i) {
     const float dx = x[i] - px, dy = y[i] - py, dz = z[i] - pz;
@@ -47,7 +46,7 @@ std::size_t farthest_index(PointsView points, const Eigen::Vector3d& from) {
   return best;
 }
 
-/// A run of points as seen from the center: all lie in the cone, none beyond the radius.
+/// A run of points as seen from the center: all lie in the cone, within the radius.
 struct Cell {
   Eigen::Vector3f axis = Eigen::Vector3f::UnitZ();
   float half_angle = 0;  // [rad]
@@ -58,7 +57,7 @@ struct Cell {
 
 class Search {
  public:
-  /// points are relative to the center and hold both ends of every distance above `best`.
+  /// points are relative to the center and include both ends of every distance above `best`.
   Search(std::vector<Eigen::Vector3f> points, double best) : best_(best), cells_(1) {
     build(points, 0, 0, static_cast<std::uint32_t>(points.size()));
     sorted_.reserve(points.size());
@@ -107,12 +106,12 @@ class Search {
     return cell;
   }
 
-  /// Angle between two vectors; 0 when one is zero, which is harmless: its radius is zero too.
+  /// Angle between two vectors; 0 if one is zero, which is harmless: its radius is zero too.
   static float angle(const Eigen::Vector3f& a, const Eigen::Vector3f& b) {
     return std::atan2(a.cross(b).norm(), a.dot(b));
   }
 
-  /// No point of one cell is farther than this from a point of the other.
+  /// Upper bound of the distance between a point of one cell and a point of the other.
   static double upper_bound(const Cell& a, const Cell& b) {
     const double widest = std::min<double>(
         std::numbers::pi, 1e-6 + angle(a.axis, b.axis) + a.half_angle + b.half_angle);
@@ -158,7 +157,7 @@ class Search {
 float find_diameter(PointsView points) {
   if (points.size() < 2) return 0;
 
-  // A good distance first: from a point to the farthest one, from there again, while it grows.
+  // Find a good initial distance: go to the farthest point repeatedly, while the distance grows.
   std::size_t end = farthest_index(points, points[0].cast<double>());
   double best = 0;
   Eigen::Vector3d center = points[end].cast<double>();
@@ -173,7 +172,8 @@ float find_diameter(PointsView points) {
   }
   if (best == 0) return 0;
 
-  // An end of the diameter is at least best - r away from the center, r the largest such distance.
+  // An end of the diameter is at least best - r away from the center; r is the largest such
+  // distance.
   const double radius = (points[farthest_index(points, center)].cast<double>() - center).norm();
   std::vector<Eigen::Vector3f> ends;
   for (std::size_t i = 0; i < points.size(); ++i) {

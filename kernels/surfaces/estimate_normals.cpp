@@ -9,8 +9,8 @@
 namespace trivet::kernels {
 namespace {
 
-// Sums about the row's first point: differences of close floats are exact or nearly so, and sums in
-// double keep what a float sum would lose far from the origin.
+// Sums about the row's first point: differences of close floats are exact or nearly so, and double
+// keeps digits that a float sum would lose far from the origin.
 PlaneSums sum_row(PointsView points, std::span<const std::uint32_t> row) {
   PlaneSums s{};
   if (row.empty()) return s;

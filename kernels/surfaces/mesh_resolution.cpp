@@ -10,7 +10,7 @@
 namespace trivet::kernels {
 
 double mean_edge_length(PointsView vertices, const Triangles& triangles) {
-  // An edge as one number, whichever way round a triangle has it.
+  // An edge as one number, independent of its direction.
   std::vector<std::uint64_t> edges;
   edges.reserve(3 * triangles.size());
   const auto add = [&](std::uint64_t i, std::uint64_t j) {
@@ -36,7 +36,7 @@ double mean_edge_length(PointsView vertices, const Triangles& triangles) {
 Result<double> mean_neighbor_distance(PointsView points) {
   if (points.size() < 2) return 0.0;
   TRIVET_TRY_ASSIGN(const NearestNeighbors tree, NearestNeighbors::build(points));
-  // The nearest is the point itself, or another one in the same place.
+  // The nearest is the point itself, or another one at the same position.
   std::vector<std::uint32_t> indices(2 * points.size());
   std::vector<float> squared_distances(2 * points.size());
   TRIVET_TRY(tree.k_nearest(points, 2, indices, squared_distances));

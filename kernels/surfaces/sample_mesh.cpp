@@ -9,7 +9,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Twice the area times the unit normal, in double: float would lose slivers.
+/// Twice the area times the unit normal, in double: float would be too coarse for slivers.
 Eigen::Vector3d scaled_normal(PointsView vertices, const Triangles& triangles, std::size_t t) {
   const Eigen::Vector3d a = vertices[triangles.a[t]].cast<double>();
   const Eigen::Vector3d b = vertices[triangles.b[t]].cast<double>();
@@ -17,7 +17,7 @@ Eigen::Vector3d scaled_normal(PointsView vertices, const Triangles& triangles, s
   return (b - a).cross(c - a);
 }
 
-/// A number in [0, 1) from a counter (the finaliser of splitmix64, Steele et al., OOPSLA 2014).
+/// A number in [0, 1) from a counter (the finalizer of SplitMix64, Steele et al., OOPSLA 2014).
 double uniform(std::uint64_t seed, std::uint64_t counter) {
   std::uint64_t x = seed + (counter + 1) * 0x9E3779B97F4A7C15ULL;
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9ULL;
@@ -27,7 +27,7 @@ double uniform(std::uint64_t seed, std::uint64_t counter) {
 }
 
 struct Corner {
-  Eigen::Vector3d point, ab, ac;  ///< and the edges from it
+  Eigen::Vector3d point, ab, ac;  ///< a corner, and the edges from it
   Eigen::Vector3f normal;
 };
 
@@ -64,7 +64,7 @@ void sample_mesh(const MeshSurface& surface, std::uint64_t seed, std::size_t fir
   TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
   TRIVET_REQUIRE(first + points.size() <= num_samples, "samples beyond the last");
 
-  // The two numbers of the R2 sequence: 1/g and 1/g^2 with g^3 = g + 1.
+  // The two constants of the R2 sequence: 1/g and 1/g^2 with g^3 = g + 1.
   constexpr double kStepU = 0.75487766624669276;
   constexpr double kStepV = 0.56984029099805327;
   const double shift_u = uniform(seed, ~0ULL - 1);
@@ -72,7 +72,7 @@ void sample_mesh(const MeshSurface& surface, std::uint64_t seed, std::size_t fir
   const auto last = std::lower_bound(area_sums.begin(), area_sums.end(), area_sums.back());
   const double share = area_sums.back() / static_cast<double>(num_samples);
 
-  // The triangle at a random place within each share. Places rise, and so do the triangles.
+  // The triangle at a random position within each share. Positions ascend, and so do the triangles.
   const auto place_of = [&](std::size_t i) {
     return (static_cast<double>(i) + uniform(seed, i)) * share;
   };
@@ -88,12 +88,12 @@ void sample_mesh(const MeshSurface& surface, std::uint64_t seed, std::size_t fir
     const auto index = static_cast<double>(i);
     const double place = place_of(i);
     if (found != last && *found <= place) {
-      do ++found;  // steps over those without area
+      do ++found;  // skip triangles without area
       while (found != last && *found <= place);
       corner = corner_at(found);
     }
 
-    // From the square to the triangle, keeping areas and most neighbors.
+    // Map from the square to the triangle that preserves areas and most neighborhoods.
     double u = fraction(shift_u + kStepU * index);
     double v = fraction(shift_v + kStepV * index);
     if (v > u) {

@@ -20,7 +20,7 @@ constexpr int kTableBits = 9;
 std::size_t slot_of(const Eigen::Vector3d& voxel) {
   std::uint64_t hash = 0;
   for (const double coordinate : voxel) {
-    hash ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);  // one zero, not two
+    hash ^= std::bit_cast<std::uint64_t>(coordinate + 0.0);  // merges -0 and 0
     hash = (hash ^ hash >> 32) * 0x9E3779B97F4A7C15U;
   }
   return hash >> (64 - kTableBits);

@@ -31,7 +31,7 @@ void subsample_by_normals(const OrientedView& cloud, float cell, float max_angle
                           Points& out_points, Normals& out_normals, SubsampleScratch& scratch) {
   const auto& [points, normals] = cloud;
   TRIVET_REQUIRE(normals.size() == points.size(), "one normal per point");
-  // From pi on every direction agrees, whatever rounding does to a dot product near -1.
+  // From pi on every direction agrees, regardless of rounding of a dot product near -1.
   const float min_cosine = max_angle_rad < std::numbers::pi_v<float> ? std::cos(max_angle_rad) : -2;
   Voxels& voxels = scratch.voxels;
   group_by_voxel(points, fit_lattice(points, cell), voxels, scratch.grouping);

@@ -47,7 +47,7 @@ void dot_all(const Views& table, const Eigen::Vector3f& v, Cosines& out) {
 
 void dot_views(const Eigen::Vector3f& v, Cosines& out) { dot_all(views(), v, out); }
 
-/// In lanes, since the order of a maximum is of no account and the compiler may not assume it.
+/// In lanes, since the order does not affect a maximum, which the compiler may not assume.
 TRIVET_SIMD_CLONES
 float largest_of(const Cosines& cosines) {
   std::array<float, 16> lanes;
@@ -59,7 +59,7 @@ float largest_of(const Cosines& cosines) {
   return *std::max_element(lanes.begin(), lanes.end());
 }
 
-/// All views, in runs of neighbors: each next one is the nearest to those of its packet so far.
+/// All views, in runs of neighbors: each next one is the nearest to those already in its packet.
 const std::array<std::size_t, kNumViews>& packed_views() {
   static const auto order = [] {
     std::array<std::size_t, kNumViews> made{};
@@ -82,7 +82,7 @@ const std::array<std::size_t, kNumViews>& packed_views() {
   return order;
 }
 
-/// Views of one side of a point; cosines times `side` are those with that side's normal.
+/// Free views of one side of a point; cosines times `side` are those with that side's normal.
 ViewMask free_views(const RayScene& scene, const Eigen::Vector3f& origin, const Cosines& cosines,
                     float side, const ViewMask& wanted) {
   std::array<std::size_t, RayScene::kPacket> packet;
@@ -153,8 +153,8 @@ void orient_outward(const RayScene& scene, PointsView points, NormalsSpan normal
     const Eigen::Vector3f normal = given[i];
     dot_views(normal, cosines);
     masks[i] = free_views(scene, points[i] + offset * normal, cosines, 1, kAllViews);
-    // Where this side sees so much that no other side could see twice as much, half of the rays are
-    // saved.
+    // If this side has so many free views that no other side could have twice as many, half of the
+    // rays are saved.
     const auto behind =
         std::count_if(cosines.begin(), cosines.end(), [](float c) { return -c > kMinViewCosine; });
     if (2 * count_views(masks[i]) >= behind) continue;
