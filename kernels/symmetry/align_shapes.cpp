@@ -14,15 +14,17 @@ namespace trivet::kernels {
 namespace {
 
 constexpr std::size_t kSurfaceSamples = 1000;
-constexpr std::size_t kAlignQueries = 128;  // of the other shape
-constexpr float kLike = 0.09F;              // deviations along two axes that may be one [diameters]
-constexpr float kEven = 0.12F;              // share by which deviations across an even axis differ
-constexpr int kStepsAQuarter = 6;           // of turns about such an axis
-constexpr float kOtherRotation = 0.4F;      // [rad]
-constexpr float kNearlyAsNear = 1.3F, kAsNear = 0.001F;  // factor; [diameters]
+constexpr std::size_t kAlignQueries = 128;  // samples of the other shape
+constexpr float kLike = 0.09F;  // largest difference of deviations along axes that may correspond
+                                // [diameters]
+constexpr float kEven = 0.12F;  // largest relative difference of deviations across an even axis
+constexpr int kStepsAQuarter = 6;                        // rotation steps about such an axis
+constexpr float kOtherRotation = 0.4F;                   // [rad]
+constexpr float kNearlyAsNear = 1.3F, kAsNear = 0.001F;  // limits for a second rotation: factor;
+                                                         // [diameters]
 constexpr std::size_t kMostRotations = 2;
 
-/// The rotations that take coordinate axes onto coordinate axes.
+/// The rotations that map coordinate axes onto coordinate axes.
 const std::vector<Eigen::Matrix3f>& turns_of_a_cube() {
   static const std::vector<Eigen::Matrix3f> turns = [] {
     std::vector<Eigen::Matrix3f> all;
@@ -52,7 +54,7 @@ ShapeFrame shape_frame(PointsView samples) {
     const Eigen::Vector3d d = samples[i].cast<double>() - center;
     moments += d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments / n);  // rising
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moments / n);  // ascending
   ShapeFrame frame{center.cast<float>(), solver.eigenvectors().cast<float>(),
                    solver.eigenvalues().cwiseMax(0).cwiseSqrt().cast<float>()};
   if (frame.axes.determinant() < 0) frame.axes.col(0) *= -1;
@@ -88,7 +90,7 @@ std::vector<Eigen::Matrix3f> ShapeAligner::likely_rotations(const ShapeFrame& ot
 
 std::vector<ShapeAligner::Alignment> ShapeAligner::align(PointsView points,
                                                          const ShapeFrame& frame) const {
-  // In the other's principal frame, in diameters.
+  // In the other shape's principal frame, in diameters.
   const std::size_t n = std::min(points.size(), kAlignQueries);
   Points queries;
   for (std::size_t i = 0; i < n; ++i)

@@ -23,33 +23,33 @@ namespace {
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 constexpr std::size_t kMinSurface = 200;
 constexpr int kNumTurns = 10000;            // 8 degrees apart; refinement reaches 20 and more
-constexpr float kMaxScreen = 0.045F;        // of TurnScreen's score, which is capped at 0.06
-constexpr std::size_t kMaxCompared = 2000;  // rotations that are compared with each other
+constexpr float kMaxScreen = 0.045F;        // limit of TurnScreen's score, which is capped at 0.06
+constexpr std::size_t kMaxCompared = 2000;  // rotations compared with each other
 constexpr std::size_t kMaxRefined = 24;
 constexpr float kStartsApart = 30 * kRadiansPerDegree;
 constexpr float kTurned = 20 * kRadiansPerDegree;
 constexpr float kAround = 15 * kRadiansPerDegree;
-constexpr float kBetter = 0.02F;                    // what a rating must rise by to count
-constexpr float kSameTurn = 6 * kRadiansPerDegree;  // where refinement ends twice
+constexpr float kBetter = 0.02F;                    // smallest significant improvement of a rating
+constexpr float kSameTurn = 6 * kRadiansPerDegree;  // refined rotations this near are the same
 constexpr float kSameShift = 0.03F;                 // [diameters]
 constexpr float kOnSurface = 0.02F;                 // [diameters]
-constexpr float kMinAlike = 0.65F;                  // of what a view sees
-constexpr float kMinShare = 0.45F;                  // of all samples
-constexpr std::size_t kViewsAlike = kNumViews / 4;  // so many must be as alike
+constexpr float kMinAlike = 0.65F;  // smallest share of the samples visible in a view
+constexpr float kMinShare = 0.45F;  // smallest share of all samples
+constexpr std::size_t kViewsAlike = kNumViews / 4;  // number of views that must be as alike
 constexpr std::size_t kMaxFound = 8;
 static_assert(kMaxFound <= kMaxNearSymmetries);
-// What the least alike turn about an axis must keep of all samples: flanges keep 86 % and more,
-// gears 81, mugs 78; nuts 65, boxes 60 and less.
+// Share of all samples that the least similar rotation about an axis must keep: flanges keep 86 %
+// and more, gears 81, mugs 78; nuts 65, boxes 60 and less.
 constexpr float kAnyTurn = 0.72F;
-// ... of TurnScreen's score of any turn about an axis that is not refined yet: those that are found
+// Limit of TurnScreen's score for any rotation about an axis that is not refined yet: those found
 // have 0.031 and less.
 constexpr float kMaxAxisScreen = 0.04F;
-// An axis is refined by few turns, as long as they keep more of few samples.
+// An axis is refined from a few rotations, as long as more of a few samples are kept.
 constexpr int kMaxRounds = 4;
 constexpr std::size_t kFewTurns = 5, kAxisQueries = 200;
 constexpr float kAlongAxis = 0.99F;         // cosine
 constexpr std::size_t kFirstQueries = 300;  // samples of the first rating
-constexpr std::size_t kLastQueries = 800;   // ... and of the last
+constexpr std::size_t kLastQueries = 800;   // samples of the last rating
 
 /// The k-th of kNumTurns rotations.
 Eigen::Matrix3f spread_turn(int k) {
@@ -89,7 +89,7 @@ class NearSearch {
     Pose motion;
   };
 
-  /// All that are no turn about `axis`.
+  /// All transforms that are not rotations about `axis`.
   std::vector<Pose> motions(const std::optional<Symmetry::Axis>& axis) {
     std::vector<Rated> alternatives;
     std::vector<Pose> seen;
@@ -118,7 +118,7 @@ class NearSearch {
     }
   }
 
-  /// The axis about which the least alike turn looks most alike.
+  /// The axis whose least similar rotation is the most similar.
   std::optional<Symmetry::Axis> near_axis() {
     if (symmetry_.axis) return {};
     std::array<float, 10> angles;
@@ -147,8 +147,8 @@ class NearSearch {
     return found;
   }
 
-  /// The share of samples that the least alike of some turns keeps; where it is not above a limit,
-  /// some number that is not.
+  /// The share of samples kept by the least similar of some rotations. If it does not exceed a
+  /// limit, some value that does not either.
   float least_kept(const Symmetry::Axis& axis, std::span<const float> angles,
                    std::size_t num_queries, float limit) {
     float least = 1;
@@ -181,7 +181,7 @@ class NearSearch {
                      [](const Rated& a, const Rated& b) { return a.rating > b.rating; });
   }
 
-  /// The turn between two motions of the model's frame, modulo the symmetry [rad].
+  /// The rotation angle between two transforms of the model's frame, modulo the symmetry [rad].
   float turn_between(const Pose& a, const Pose& b) const {
     return pose_distance(a, b, symmetry_, samples_.center).rotation_rad;
   }
@@ -189,7 +189,7 @@ class NearSearch {
     return turn_between(Pose::Identity(), motion) < apart;
   }
 
-  /// The rotations that fit best, apart from each other, with the shifts that fit them.
+  /// The best rotations, apart from each other, with their best-fitting shifts.
   std::vector<Pose> starts() const {
     std::vector<Rated> rated;
     for (const Eigen::Matrix3f& rotation : spread_turns()) {
@@ -216,7 +216,7 @@ class NearSearch {
     return chosen;
   }
 
-  /// Shift along the principal axes, the longest first, to where the screen likes it best.
+  /// Shift along the principal axes, the longest first, to the best score of the screen.
   Pose shifted(Pose motion) const {
     constexpr float kStep = 0.04F;
     const Eigen::Matrix3f axes = screen_.principal_axes();
@@ -235,8 +235,8 @@ class NearSearch {
     return motion;
   }
 
-  /// The share of samples that a motion of the surface's frame keeps on the surface; matched_ says
-  /// which.
+  /// The share of samples that a transform in the surface's frame keeps on the surface; matched_
+  /// marks them.
   float kept(const Pose& motion, std::size_t num_queries) {
     matched_.resize(std::min(num_queries, surface_.size()));
     surface_.mark_matched(motion, kOnSurface, matched_);
@@ -244,9 +244,9 @@ class NearSearch {
     return static_cast<float>(all) / static_cast<float>(matched_.size());
   }
 
-  /// Of the samples that a view sees, the share that a motion of the surface's frame keeps on the
-  /// surface; in the last of the quarter of all views that keep most. 0 where too few of all
-  /// samples stay: what is seen of flat parts fits under many motions.
+  /// The share of samples visible in a view that a transform in the surface's frame keeps on the
+  /// surface; for the last of the best quarter of all views. 0 if too few of all samples are kept:
+  /// the visible parts of flat objects fit under many transforms.
   float alike(const Pose& motion, std::size_t num_queries) {
     if (kept(motion, num_queries) < kMinShare) return 0;
     std::array<std::uint32_t, kNumViews> seen{}, kept{};
@@ -268,8 +268,9 @@ class NearSearch {
     return *last;
   }
 
-  /// Whether no turn beside a motion of the surface's frame looks more alike. Flat faces fit under
-  /// any turn about their normals, refinement does not see why one should be better.
+  /// Whether no neighboring rotation of a transform in the surface's frame looks more alike. Flat
+  /// faces fit under any rotation about their normals, and refinement has no preference among
+  /// these.
   bool is_best_around(const Pose& motion) {
     const Eigen::Matrix3f axes = screen_.principal_axes();
     const float limit = alike(motion, kFirstQueries) + kBetter;
@@ -284,7 +285,7 @@ class NearSearch {
     return true;
   }
 
-  /// The best that are apart from each other, each with its inverse.
+  /// The best transforms that are apart from each other, each with its inverse.
   std::vector<Pose> choose(const std::vector<Rated>& alternatives, float apart) const {
     std::vector<Pose> chosen;
     const auto add = [&](const Pose& motion) {

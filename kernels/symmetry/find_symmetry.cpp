@@ -19,20 +19,21 @@ namespace {
 using Eigen::Vector3f;
 
 constexpr std::size_t kMinSamples = 200;
-constexpr int kMaxOrder = 64;  // finer teeth are a continuous axis to within the tolerance
+constexpr int kMaxOrder = 64;  // finer teeth are a continuous axis within the tolerance
 constexpr std::size_t kMaxGroup = 128;
 constexpr std::size_t kRefineQueries = 200;
 constexpr std::size_t kQuickQueries = 500;
-constexpr int kMaxFailures = 6;  // then the shape is almost round, and no turn stands out
-constexpr float kContrast = 8;   // misfit of the worst turn about an axis over that of a symmetry:
-                                 // on a shape that is almost round, all turns almost fit
+constexpr int kMaxFailures = 6;  // then the shape is almost round, and no rotation stands out
+constexpr float kContrast = 8;   // ratio of the misfit of the worst rotation about an axis to that
+                                 // of a symmetry: on a shape that is almost round, all rotations
+                                 // almost fit
 constexpr float kSameRotation = 0.05F;  // [rad]; half the step of the finest group
 constexpr float kSameAxis = 0.09F;      // [rad]
 
 using Axis = Symmetry::Axis;
 
-/// The angle of the turn from one rotation to the other [rad], exact where it is small: up to half
-/// a turn, |A - B| = 2 sqrt(2) sin(angle / 2).
+/// The rotation angle between two transforms [rad], accurate for small angles: up to half a turn,
+/// |A - B| = 2 sqrt(2) sin(angle / 2).
 float turn_between(const Pose& a, const Pose& b) {
   return (a.linear() - b.linear()).norm() / 1.4142136F;
 }
@@ -61,11 +62,11 @@ class Search {
   }
 
  private:
-  /// Whether a motion is a symmetry, on all samples.
+  /// Whether a transform is a symmetry, on all samples.
   bool holds(const Pose& motion, float limit = 1) const {
     return surface_.misfit(motion, tolerance_, limit, surface_.size()) <= limit;
   }
-  /// Whether it may be one; by fewer samples, whose shares are less certain.
+  /// Whether it may be a symmetry, on fewer samples, whose shares are less certain.
   bool may_hold(const Pose& motion, float limit = 1) const {
     return surface_.misfit(motion, tolerance_, 2 * limit, kQuickQueries) <= 2 * limit;
   }
@@ -75,7 +76,7 @@ class Search {
     return same(Pose::Identity()) || std::any_of(group_.begin(), group_.end(), same);
   }
 
-  /// The axis of a candidate after refinement, if its turn is a symmetry that is not known yet.
+  /// The axis of a candidate after refinement, if its rotation is a symmetry that is not known yet.
   std::optional<Axis> verify(const TurnScreen::Candidate& candidate) const {
     const float angle = 2 * std::numbers::pi_v<float> / static_cast<float>(candidate.order);
     const Pose start = turn_about({candidate.direction, Vector3f::Zero()}, angle);
@@ -88,8 +89,8 @@ class Search {
     return axis;
   }
 
-  /// The misfit of the worst of several turns by angles that no regular polygon knows; kContrast
-  /// or a little more where it is larger.
+  /// The misfit of the worst of several rotations by angles of no regular polygon; kContrast or a
+  /// little more if it is larger.
   float worst_turn(const Axis& axis) const {
     float worst = 0;
     for (int k = 1; k <= 8 && worst < kContrast; ++k) {
@@ -99,7 +100,7 @@ class Search {
     return worst;
   }
 
-  /// The axis as several turns see it, if all those turns are symmetries.
+  /// The axis refined from several rotations, if all those are symmetries.
   std::optional<Axis> refine_free_axis(const Axis& axis) const {
     constexpr int kNumTried = 4;
     std::array<float, kNumTried> angles;
@@ -114,7 +115,7 @@ class Search {
     return better;
   }
 
-  /// The symmetry of a surface with a free axis: its ends may be the same, or all directions.
+  /// The symmetry of a surface with a free axis: its ends, or all directions, may be equivalent.
   Symmetry with_axis(const Axis& axis) const {
     Symmetry result;
     result.axis = Symmetry::Axis{axis.direction, surface_.to_model(axis.point)};
@@ -126,7 +127,7 @@ class Search {
       return result;
     }
 
-    // Take the axis to the points of a Fibonacci sphere.
+    // Rotate the axis to the points of a Fibonacci sphere.
     constexpr int kNumDirections = 128;
     for (int k = 0; k < kNumDirections; ++k) {
       const float z = 1 - (2 * static_cast<float>(k) + 1) / kNumDirections;
@@ -141,7 +142,7 @@ class Search {
     return result;
   }
 
-  /// Half a turn about a line across the axis, at the height along it that fits best.
+  /// A half turn about a line perpendicular to the axis, at the best-fitting height along it.
   Pose flip_about(const Axis& axis, const Vector3f& across) const {
     const Pose refined = surface_.refine(
         turn_about({across, axis.point}, std::numbers::pi_v<float>), kRefineQueries, 5);
@@ -158,7 +159,8 @@ class Search {
     return true;
   }
 
-  /// Whether all powers of a turn of some order may be symmetries: a small turn alone always is.
+  /// Whether all powers of a rotation of some order may be symmetries: a small rotation alone
+  /// always is.
   bool powers_may_hold(const Axis& axis, int order, float limit) const {
     for (int k = 1; k <= order / 2; ++k) {
       if (!may_hold(turn_about(axis, 2 * std::numbers::pi_v<float> * static_cast<float>(k) /
@@ -170,8 +172,8 @@ class Search {
     return true;
   }
 
-  /// Add the turns of the largest order that the axis has, and what they make with the group. False
-  /// when they looked like symmetries, but are none.
+  /// Add the rotations of the largest order of the axis, and their products with the group. False
+  /// if they were approximate symmetries, but are none.
   bool extend(const Axis& axis, int order, float limit) {
     if (!powers_may_hold(axis, order, limit)) return true;
     int largest = order;
@@ -182,8 +184,8 @@ class Search {
     return add_turns(axis, largest, limit) || (largest != order && add_turns(axis, order, limit));
   }
 
-  /// Add the turns about an axis, after a closer look at it, and their products with the group; or
-  /// nothing, and say so.
+  /// Refine an axis and add its rotations and their products with the group. Adds nothing and
+  /// returns false if they are not symmetries.
   bool add_turns(const Axis& axis, int order, float limit) {
     const auto angle = [order](int k) {
       return 2 * std::numbers::pi_v<float> * static_cast<float>(k) / static_cast<float>(order);
@@ -197,7 +199,7 @@ class Search {
     for (int k = 1; k < order && good; ++k) {
       const Pose power = turn_about(better, angle(k));
       if (known(power)) continue;
-      // Turns by k and order - k are inverse to each other: one of them is looked at.
+      // Rotations by k and order - k are inverse to each other: only one of them is tested.
       good = k > order / 2 || holds(power, limit);
       group_.push_back(power);
     }
@@ -206,7 +208,7 @@ class Search {
     return good;
   }
 
-  /// Compose until nothing new appears. False when a product is no symmetry, or when there is no
+  /// Close the group under composition. False if a product is not a symmetry or the group does not
   /// end: then one of the factors is not a symmetry either.
   bool close_group() {
     for (std::size_t i = 0; i < group_.size(); ++i) {

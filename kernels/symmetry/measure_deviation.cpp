@@ -22,7 +22,7 @@ void measure_deviation(PointsView samples, NormalsView normals, float spacing, c
       const float nx = normals.x[k], ny = normals.y[k], nz = normals.z[k];
       const float cosine = nx * m.x() + ny * m.y() + nz * m.z();
       const float squared = dx * dx + dy * dy + dz * dz;
-      // Along the mean of both normals, two points of one circle are level.
+      // Along the mean of both normals, two points of one circle have the same height.
       const float sum = dx * (nx + m.x()) + dy * (ny + m.y()) + dz * (nz + m.z());
       const float height = sum * sum / std::max(2 + 2 * cosine, 1e-6F);
       const float along = std::max(std::sqrt(std::max(squared - height, 0.0F)) - spacing, 0.0F);

@@ -18,15 +18,15 @@ namespace {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A step through n samples that visits all of them, neighbors in the list far apart in time: an
-/// early look sees the whole object.
+/// A step through n samples that visits all of them, with neighbors in the list far apart in time,
+/// so that an early exit has sampled the whole object.
 std::size_t coprime_step(std::size_t n) {
   auto step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) + 1;
   while (std::gcd(step, n) != 1) ++step;
   return step;
 }
 
-/// Distances in units of the tolerance: sum of squares, number beyond 3 and beyond 6.
+/// Distances in units of the tolerance: sum of squares, numbers beyond 3 and beyond 6.
 struct Tally {
   double squares = 0;
   int wide = 0, gross = 0;
@@ -44,7 +44,7 @@ struct Tally {
   }
 };
 
-// Samples are looked for as far as kCap and kMaxSlack: runs of this length are read fastest.
+// Searches extend to kCap and kMaxSlack: runs of this length are fastest.
 constexpr float kCell = 0.1F;
 constexpr std::size_t kLanes = 16;
 constexpr std::uint32_t kNowhere = 0xFFFF'FFFFU;
@@ -53,21 +53,21 @@ struct Oriented {
   Eigen::Vector3f point, normal;
 };
 
-/// Samples as SampledSurface has them, in the grid's order.
+/// Samples in the grid's order.
 struct Columns {
   const float *x, *y, *z, *nx, *ny, *nz;
 };
 
-/// Runs of samples, from one place to before another, that are looked at in whole vectors: what
-/// stands behind a run are samples too.
+/// Runs of samples, as half-open ranges, that are processed in whole vectors: the entries after a
+/// run are samples too.
 struct Runs {
   static_assert(2 * (SampledSurface::kCap + SampledSurface::kMaxSlack) < 3 * kCell);
-  static constexpr std::size_t kMost = 4 * 4;  // rows of voxels that so small a ball touches
+  static constexpr std::size_t kMost = 4 * 4;  // rows of voxels that such a small ball touches
   std::array<std::pair<std::uint32_t, std::uint32_t>, kMost> places;
   std::size_t count = 0;
 };
 
-/// Per lane the nearest sample so far: its squared distance and its place.
+/// Per lane the nearest sample so far: its squared distance and its index.
 struct Nearest {
   explicit Nearest(float cap) noexcept {
     squared.fill(cap * cap);
@@ -106,7 +106,7 @@ void keep_nearest(const Columns& samples, const Runs& runs, const Oriented& quer
       }
     }
   }
-  // The best of all lanes to the first: the nearest, of equally near ones the first.
+  // Reduce all lanes to the first: the nearest, ties to the first.
   for (std::size_t width = kLanes / 2; width > 0; width /= 2) {
     for (std::size_t k = 0; k < width; ++k) {
       const float mine = kept.squared[k], other = kept.squared[k + width];
@@ -119,8 +119,8 @@ void keep_nearest(const Columns& samples, const Runs& runs, const Oriented& quer
   nearest = kept;
 }
 
-/// Squared distances of a sample from others: per lane from the nearest, and from the nearest two of
-/// the same sheet.
+/// Squared distances of a sample from others: per lane from the nearest, and from the nearest two
+/// of the same sheet.
 struct Gaps {
   explicit Gaps(float cap) noexcept {
     nearest.fill(cap * cap);
@@ -189,7 +189,7 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
   }
 
   grid_ = VoxelHash(points_, kCell);
-  constexpr float kFar = 1000;  // from all: fills the last vector's lanes
+  constexpr float kFar = 1000;  // far from all: fills the last vector's lanes
   for (const std::uint32_t i : grid_.order()) sorted_normals_.push_back(normals_[i]);
   for (std::size_t place = 0; place < used; ++place)
     sorted_points_.push_back(grid_.ordered_points()[place]);
@@ -198,7 +198,7 @@ SampledSurface::SampledSurface(PointsView points, NormalsView normals, float dia
     sorted_normals_.push_back(Eigen::Vector3f::Zero());
   }
 
-  constexpr float kThickness = 0.01F;  // of what counts as one sheet
+  constexpr float kThickness = 0.01F;  // thickness of one sheet
   slacks_.resize(used);
   double sum_nearest = 0;
   for (std::uint32_t place = 0; place < used; ++place) {
@@ -281,8 +281,8 @@ Pose SampledSurface::refine(Pose motion, std::size_t num_queries, int num_steps)
   const std::size_t n = points_.size();
   const std::size_t step = coprime_step(n);
   for (int iteration = 0; iteration < num_steps; ++iteration) {
-    // Least squares in (w, t): the distance along h changes by h . (w x q + t). The damping is the
-    // weight of one query in a thousand: it holds what the surface leaves free.
+    // Least squares in (w, t): the distance along h changes by h . (w x q + t). The damping has the
+    // weight of one query in a thousand: it constrains directions that the surface leaves free.
     Matrix6d normal_matrix = Matrix6d::Zero();
     Vector6d right = Vector6d::Zero();
     for (std::size_t k = 0, i = 0; k < std::min(num_queries, n); ++k, i = (i + step) % n) {

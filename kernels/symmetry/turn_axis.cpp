@@ -10,7 +10,7 @@ using Eigen::Vector3f;
 namespace {
 
 constexpr std::size_t kTurnQueries = 200;
-constexpr float kMinAlong = 0.9F;  // cosine: a turn that refinement led elsewhere says nothing
+constexpr float kMinAlong = 0.9F;  // cosine; rotations that refinement moved elsewhere are ignored
 
 }  // namespace
 
@@ -27,7 +27,8 @@ Symmetry::Axis axis_of(const Pose& motion) noexcept {
   const Vector3f a = rotation.axis();
   const Vector3f t = motion.translation();
   const Vector3f across = t - a * a.dot(t);
-  // The fixed point of the turn in the plane across: p = (t + cot(angle / 2) a x t) / 2.
+  // The fixed point of the rotation in the plane perpendicular to the axis: p = (t + cot(angle / 2)
+  // a x t) / 2.
   return {a, 0.5F * (across + a.cross(across) / std::tan(0.5F * rotation.angle()))};
 }
 

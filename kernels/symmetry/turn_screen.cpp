@@ -16,15 +16,15 @@ namespace trivet::kernels {
 namespace {
 
 constexpr int kNumAxes = 3000;           // on a half sphere: 2.6 degrees apart, none farther than 2
-constexpr std::size_t kNumScored = 128;  // samples that are looked up
+constexpr std::size_t kNumScored = 128;  // number of samples scored
 constexpr float kMaxScore = 0.022F;
 constexpr float kOneAxis = 0.1F;            // [rad]
-constexpr std::size_t kMaxCandidates = 24;  // of one order
+constexpr std::size_t kMaxCandidates = 24;  // candidates of one order
 
 constexpr std::size_t kRowLanes = 8;
 
-/// Lower the numbers of voxels in a row to their distances from a disc; `first` leads from the disc's
-/// center to the first voxel. Pre: n is a multiple of kRowLanes.
+/// Lower the values of voxels in a row to their distances from a disc; `first` is the vector from
+/// the disc's center to the first voxel. Pre: n is a multiple of kRowLanes.
 TRIVET_SIMD_CLONES
 void mark_row(const Eigen::Vector3f& first, const Eigen::Vector3f& normal, float step, float slack,
               std::size_t n, float* __restrict row) noexcept {
@@ -42,9 +42,10 @@ void mark_row(const Eigen::Vector3f& first, const Eigen::Vector3f& normal, float
   }
 }
 
-constexpr std::size_t kBlock = 16;  // points that are looked up at a time
+constexpr std::size_t kBlock = 16;  // points scored at a time
 
-/// The numbers of a field's voxels that moved points lie in; those outside count as at its border.
+/// The indices of the voxels that contain transformed points; points outside count as at the
+/// border.
 TRIVET_SIMD_CLONES
 void read_field(const float* __restrict field, int size, const Eigen::Matrix3f& turn,
                 const Eigen::Vector3f& shift, const PointsView& points,
@@ -71,11 +72,11 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   const std::size_t stride = std::max<std::size_t>(1, points_.size() / kNumScored);
   std::vector<Eigen::Vector3f> scored;
   for (std::size_t i = 0; i < points_.size(); i += stride) scored.push_back(points_[i]);
-  // What is far out moves most: it tells first that a motion does not fit.
+  // Outer points move most, so they show first that a transform does not fit.
   std::ranges::stable_sort(scored, std::ranges::greater(),
                            [](const Eigen::Vector3f& p) { return p.squaredNorm(); });
   for (const Eigen::Vector3f& p : scored) scored_.push_back(p);
-  float radius = 1e-3F;  // of the cloud; above 0 for samples that are all one place
+  float radius = 1e-3F;  // radius of the cloud; above 0 even if all samples coincide
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Eigen::Vector3f p = points_[i];
@@ -85,7 +86,7 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
   inertia_ = (moments / static_cast<double>(points_.size())).cast<float>();
   scale_ = (0.5F * kSize - 1) / radius;
 
-  // Each sample marks the voxels within the cap of its disc.
+  // Each sample updates the voxels within the cap of its disc.
   field_.assign(std::size_t{kSize} * kSize * kSize, kCap);
   const NormalsView normals = surface.normals();
   const float slack = surface.slack();
@@ -95,7 +96,7 @@ TurnScreen::TurnScreen(const SampledSurface& surface) : points_(surface.points()
     const Eigen::Vector3f p = points_[i], n = normals[i];
     const Eigen::Array3i center = (p.array() * scale_ + 0.5F * kSize).floor().cast<int>();
     Eigen::Array3i low = (center - reach).max(0), high = (center + reach).min(kSize - 1);
-    // Rows as long as vectors, by voxels that are out of reach.
+    // Rows are padded to whole vectors with voxels out of reach.
     const auto width =
         static_cast<std::size_t>(high.x() - low.x()) / kRowLanes * kRowLanes + kRowLanes;
     low.x() = std::min(low.x(), kSize - static_cast<int>(width));
