@@ -10,13 +10,13 @@
 namespace trivet::kernels {
 namespace {
 
-// With narrower ones five scans change too little, with wider ones they are believed too much.
+// With smaller ones, five scans change too little; with larger ones, they are overrated.
 constexpr double kShiftDeviation = 0.5, kWeightDeviation = 0.7;
 constexpr int kMaxPasses = 400;
 constexpr double kConverged = 1e-5;  // largest step of a pass, in standard deviations
 constexpr int kTollBisections = 16;
 
-/// Rows as the fit sees them: log odds, and what each part costs.
+/// Rows of the fit: log odds, and the cost of each part.
 struct Costs {
   std::vector<double> log_odds;
   std::array<std::vector<double>, kNumScoreParts> parts;
@@ -31,7 +31,7 @@ double log_odds_of(const ScoreModel& model, const ScoreParts& parts) noexcept {
   return sum;
 }
 
-/// In an order that the rows alone decide, so that sums do not depend on how they came.
+/// In an order that the rows alone determine, so that sums do not depend on the input order.
 Costs costs_of(const ScoreModel& model, std::span<const ScoreParts> parts,
                std::span<const std::uint8_t> right) {
   std::vector<std::size_t> order(parts.size());
@@ -54,29 +54,29 @@ Costs costs_of(const ScoreModel& model, std::span<const ScoreParts> parts,
   return costs;
 }
 
-/// One unknown: how the log odds of each row change with it, and what coordinate descent knows.
+/// One unknown: the change of each row's log odds with it, and the state of coordinate descent.
 struct Coordinate {
   std::vector<double> slopes;
   double value = 0, center = 0, deviation = 1, low = 0, high = 0;
-  double raise = 0;  // of the largest raise: of the shift by 1, of a weight below 1 by 1
+  double raise = 0;  // derivative of the largest raise: by the shift, or by a weight below 1
   double trust = 1;  // largest step
 };
 
-/// Where a parabola of this slope and curvature at c.value, and the toll on raises, are least.
+/// The minimum of a parabola with this slope and curvature at c.value plus the penalty on raises.
 double lowest_point(const Coordinate& c, double gradient, double curvature, double toll) {
   const double paid = toll * c.raise / curvature, free = c.value - gradient / curvature;
   if (c.center == 0) return free - paid;
   return free < c.center ? std::min(free + paid, c.center) : free;
 }
 
-/// The most that the curvature of the log loss is while log odds change by at most `reach`.
+/// The largest curvature of the log loss if log odds change by at most `reach`.
 double largest_curvature(double log_odds, double reach) {
   const double beyond = std::abs(log_odds) - reach;
   return beyond <= 0 ? 0.25 : 1 / (2 + std::exp(beyond) + std::exp(-beyond));
 }
 
 /// One step along a coordinate, within its trust region and its bounds, that cannot overshoot.
-/// Gives the step taken.
+/// Returns the step.
 double descend_along(Coordinate& c, std::span<const std::uint8_t> right, double toll,
                      std::span<double> log_odds) {
   const double precision = 1 / (c.deviation * c.deviation);
@@ -112,7 +112,7 @@ class AdaptationFit {
     }
   }
 
-  /// Minimize with so much to pay for each unit of the largest raise.
+  /// Minimize with this penalty for each unit of the largest raise.
   ScoreAdaptation minimize(double toll) {
     for (Coordinate& c : coordinates_) c.trust = 1;
     for (int pass = 0; pass < kMaxPasses; ++pass) {
@@ -162,7 +162,8 @@ ScoreModel adapted_score(const ScoreModel& model, const ScoreAdaptation& adaptat
 }
 
 float largest_raise(const ScoreModel& model, const ScoreAdaptation& adaptation) noexcept {
-  // The errors' correlation mixes both linearly, so that no pose between is raised by more.
+  // The correlation of errors interpolates both linearly, so that no pose between is raised by
+  // more.
   float raise = adaptation.shift;
   for (std::size_t part = 0; part < kNumScoreParts; ++part) {
     raise +=
@@ -185,8 +186,8 @@ ScoreAdaptation fit_adaptation(const ScoreModel& model, std::span<const ScorePar
   AdaptationFit fit(model, parts, right);
   const ScoreAdaptation unbounded = fit.minimize(0);
   if (largest_raise(model, unbounded) <= kMaxRaise) return unbounded;
-  // The least toll that keeps within the bound is the multiplier of the constrained minimum. One as
-  // large as the number of rows is more than all of them can gain.
+  // The smallest penalty that satisfies the bound is the multiplier of the constrained minimum. A
+  // penalty of the number of rows exceeds any possible gain.
   ScoreAdaptation best;
   double low = 0, high = static_cast<double>(parts.size());
   for (int i = 0; i < kTollBisections; ++i) {

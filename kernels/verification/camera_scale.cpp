@@ -12,21 +12,21 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-// Calibrations err by less than a tenth.
+// Errors of calibrations are below a tenth.
 constexpr double kPriorInformation = 1 / (0.1 * 0.1);
-// What models and independent pixels err by, and beside it what sensors do that match windows: own
-// cameras of real sets differ from 1 by up to 3.7 %, root mean square 2.
+// Relative errors of models and independent pixels, and of sensors that match windows: the stated
+// cameras of real data sets differ from 1 by up to 3.7 %, root mean square 2.
 constexpr double kModelError = 0.002, kWindowError = 0.02;
-constexpr float kErrAlike = 0.3F;  // correlation from which depth is not told
+constexpr float kErrAlike = 0.3F;  // correlation above which depth is not estimated
 
-/// A little damping holds what the surface does not, as a turn about its axis.
+/// Slight damping constrains motions that the surface leaves free, such as rotation about its axis.
 Matrix6 pose_information(const ObjectEquations& equations) {
   Matrix6 A = equations.information.topLeftCorner<6, 6>();
   A.diagonal() += 1e-6 * A.diagonal() + Eigen::Matrix<double, 6, 1>::Constant(1e-30);
   return A;
 }
 
-/// Sum of the squares of what each group pulls, more the fewer there are; one group tells nothing.
+/// Sum of the squared pulls of the groups, scaled up for few groups; one group gives no estimate.
 template <class Group>
 Eigen::Matrix2d scatter_of(std::span<const ScalePull> objects, const Eigen::Vector2d& scales,
                            Group&& group) {
@@ -42,7 +42,7 @@ Eigen::Matrix2d scatter_of(std::span<const ScalePull> objects, const Eigen::Vect
   return n / (n - 1) * sum;
 }
 
-/// As many models as would tell as much, if all told alike.
+/// Number of equally informative models with the same total information.
 double count_models(std::span<const ScalePull> objects) {
   std::map<std::uint32_t, double> shares;
   double sum = 0, squares = 0;

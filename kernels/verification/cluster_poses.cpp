@@ -19,8 +19,8 @@ struct Cluster {
   float votes = 0;
 };
 
-/// A cell as one number; cells are as wide as the translation limit, so a cluster's members lie in
-/// its first one's cell or beside it. Far cells may share a number, which costs time only.
+/// A cell as one key. Cells are as wide as the translation limit, so a cluster's members lie in its
+/// first one's cell or beside it. Distant cells may share a key, which costs time only.
 std::int64_t cell_key(std::int64_t x, std::int64_t y, std::int64_t z) noexcept {
   return ((x & 0x1FFFFF) << 42) | ((y & 0x1FFFFF) << 21) | (z & 0x1FFFFF);
 }
@@ -59,7 +59,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
     };
     const std::int64_t cx = cell(scaled.x()), cy = cell(scaled.y()), cz = cell(scaled.z());
 
-    // The strongest fitting cluster has the lowest number, whatever cell it is found in.
+    // The strongest fitting cluster has the lowest index, in whatever cell it is found.
     std::uint32_t best = static_cast<std::uint32_t>(clusters.size());
     Pose best_pose = hypotheses[i].T_scene_model;
     for (std::int64_t dx = -1; dx <= 1; ++dx) {

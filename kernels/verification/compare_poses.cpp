@@ -8,20 +8,21 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr float kFitError = 0.004F;    // of model and pose, as a share of the diameter
-constexpr double kAgreement = 10;      // likelihood of r = 0 over that of a pixel off the model
-constexpr double kSeenThrough = 0.03;  // ... of a measurement anywhere behind the surface
-// Where neighbors err alike, so much of the surface is blended with what lies beside it, as thin
-// parts and edges are, and errs so many times more.
+constexpr float kFitError = 0.004F;    // error of model and pose, relative to the diameter
+constexpr double kAgreement = 10;      // likelihood ratio of r = 0 to a pixel off the model
+constexpr double kSeenThrough = 0.03;  // likelihood ratio of a measurement anywhere behind the
+                                       // surface
+// If neighbors err alike, this share of the surface is blended with its surroundings, as thin parts
+// and edges are, and its errors are larger by this factor.
 constexpr double kBlended = 0.3, kBlend = 8;
-// Shares of rays without measurement are told by so many rays, and not below this.
+// Rays needed to estimate the share without measurement, and the smallest such share.
 constexpr double kFewestRays = 50, kFewHoles = 0.02;
 
 /// One pose's rendering of one ray.
 struct Rendered {
   bool meets = false;
   float z = 0;
-  float scale = 0;  // perpendicular distance per depth; 0 where the surface is grazing
+  float scale = 0;  // perpendicular distance per depth; 0 for a grazing surface
 };
 
 Rendered render(const RayHits& hits, std::size_t at, const Eigen::Matrix3f& R,
@@ -41,7 +42,7 @@ class Comparer {
         sigma_(static_cast<double>(sigma)),
         blended_(kBlended * static_cast<double>(correlation)) {}
 
-  /// Whether the renderings tell the poses apart here.
+  /// Whether the renderings of the poses differ here.
   bool differ(const Rendered& a, const Rendered& b) const noexcept {
     if ((a.meets && a.scale == 0) || (b.meets && b.scale == 0)) return false;
     if (!a.meets || !b.meets) return a.meets != b.meets;
@@ -55,7 +56,7 @@ class Comparer {
     if (a.scale > 0 && b.scale > 0) on_.add(is_missing(u, v));
   }
 
-  /// Log-likelihood of what was measured, relative to a pixel off the model.
+  /// Log-likelihood of the measurement, relative to a pixel off the model.
   double log_likelihood(const Rendered& pose, int u, int v) const noexcept {
     if (!pose.meets) return 0;
     const float tolerance = options_.tolerance;
@@ -71,7 +72,7 @@ class Comparer {
   }
 
  private:
-  /// How often a ray has no measurement.
+  /// Share of rays without measurement.
   struct Share {
     double num = 0, num_missing = 0;
 
@@ -82,7 +83,8 @@ class Comparer {
     double missing() const noexcept { return std::max(kFewHoles, num_missing / num); }
   };
 
-  /// Of a ray without measurement, which a dark object has more of, and the shadow beside it.
+  /// Log-likelihood of a missing measurement, which is more frequent on a dark object and in the
+  /// shadow beside it.
   double log_missing() const noexcept {
     if (std::min(on_.num, off_.num) < kFewestRays) return 0;
     return std::log(on_.missing() / off_.missing());
@@ -95,7 +97,7 @@ class Comparer {
   const RangeImage& image_;
   const VerifyOptions& options_;
   double sigma_, blended_;
-  Share on_, off_;  // of rays that meet the model by both poses, and by neither
+  Share on_, off_;  // rays that hit the model in both poses, and in neither
 };
 
 auto ball_of(const ImageGeometry& g, const ModelSamples& samples, const Pose& T_camera_model) {
@@ -124,7 +126,7 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
 
     Comparer comparer(image, sigma, errors.correlation, options);
     const int side =
-        std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // of a block [rays]
+        std::max(1, (errors.together + crop.stride / 2) / crop.stride);  // size of a block [rays]
     const double share = 1.0 / (side * side);
     const int columns = (crop.width + side - 1) / side, rows = (crop.height + side - 1) / side;
     scratch.votes.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0);

@@ -12,7 +12,7 @@ namespace trivet::kernels {
 namespace {
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
-constexpr float kStep = 4 * kDegree;  // the hole of a flange is seen at some 5 degrees
+constexpr float kStep = 4 * kDegree;  // the hole of a flange is visible over some 5 degrees
 constexpr float kFinest = 0.5F * kDegree;
 constexpr std::size_t kFewest = 4, kMost = 360;
 constexpr double kAsWell = 0.1;
@@ -54,8 +54,8 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const PosedMode
   std::transform(logs.begin(), logs.end(), likelihoods.begin(),
                  [&](double log) { return std::exp(log - logs[best]); });
   TurnComparison out;
-  // From the best one on to both sides, as far as turns are as likely; all of them, and none is the
-  // middle.
+  // From the best rotation, extend to both sides while rotations are as likely. If all of them are,
+  // there is no middle.
   const auto as_likely = [&](std::size_t k) { return likelihoods[k % n] >= kAsWell; };
   std::size_t after = 0, before = 0;
   while (after < n && as_likely(best + after + 1)) ++after;

@@ -15,26 +15,26 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr int kMargin = 4;              // rays beyond an outline, which no hole of a cloud is wide
+constexpr int kMargin = 4;              // rays beyond an outline, wider than any hole of a cloud
 constexpr float kFoldCosine = 0.866F;   // 30 degrees: noise turns normals by less
-constexpr int kRounded = 3;             // windows that sensors round a crease over, at most
-constexpr double kFewestResiduals = 6;  // residuals of a window that give a slope
-constexpr int kAcross = 3;              // rays around an outline's place that tell its direction
-constexpr float kSameCosine = 0.985F;   // 10 degrees: directions of outlines err by less
-// An edge is seen to about a pixel, some twice the noise of depth: squared, a quarter. It weighs
-// the outline's mean, since the outline's share of the pixels falls with the resolution.
+constexpr int kRounded = 3;             // largest width of a crease rounded by sensors, in windows
+constexpr double kFewestResiduals = 6;  // residuals of a window needed for a slope
+constexpr int kAcross = 3;  // rays around an outline's position that determine its direction
+constexpr float kSameCosine = 0.985F;  // 10 degrees: directions of outlines err by less
+// An edge is located to about a pixel, some twice the noise of depth: squared, a quarter. It
+// weights the outline's mean, since the outline's share of the pixels falls with the resolution.
 constexpr double kOutlineShare = 0.25;
-// What is buried goes deeper beneath the measured surface than bent depth and the rims of clouds
-// do: by more than so many tolerances, after so many rays at least and at most.
+// Buried parts extend deeper beneath the measured surface than distorted depth and the rims of
+// clouds: by more than this many tolerances, within these limits of the number of rays.
 constexpr float kDeep = 3;
 constexpr int kLeastRays = 3, kMostRays = 16;
-// What lies beneath the measured surface by less may be what the model is taken for [tolerances].
+// A surface at a smaller height above the model may be mistaken for it [tolerances].
 constexpr float kShallow = 6;
-// Where neighbors err alike, depth is wrong by a few tolerances in places: what lies so much
-// farther than a whole one behind the model is looked through for sure.
+// If neighbors err alike, depth is locally wrong by a few tolerances: only measurements this much
+// more than a tolerance behind the model are certain violations.
 constexpr float kSoftness = 1.5F;
 
-constexpr int kMostReach = 4096;  // pixels; of a surface next to the camera there were no end
+constexpr int kMostReach = 4096;  // pixels; unbounded for a surface next to the camera
 
 enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 
@@ -42,15 +42,15 @@ enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
 struct Sums {
   double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
-  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // from the model's center
+  Eigen::Vector3d places = Eigen::Vector3d::Zero();  // relative to the model's center
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  double outline = 0;  // number of its places
+  double outline = 0;  // number of outline positions
   Matrix6 outline_covariance = Matrix6::Zero();
 };
 
-/// A ray, and the direction along the image in which what it met ends.
+/// A ray, and the direction along the image in which the surface that it hit ends.
 struct RayEnd {
-  int i, j;    // of the ray in the crop
+  int i, j;    // index of the ray in the crop
   int di, dj;  // one of the four steps to a neighbor
 };
 
@@ -115,7 +115,7 @@ class Examiner {
             options_.verify.is_background(image_.plane[static_cast<std::size_t>(pixel)]);
         if (std::abs(r) > tolerance) {
           if (measured_beside(image_, expected, tolerance, edge_)) continue;
-          if (r > 0 || background) {  // nothing reaches through a table
+          if (r > 0 || background) {  // nothing penetrates a table
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
             tell(RayVerdict::looked_through, ray * z);
           } else {
@@ -176,8 +176,9 @@ class Examiner {
     }
   }
 
-  /// Beyond the outline a real object's scene falls back or is not measured, within the few pixels
-  /// that sensors blur edges over; a wrong fit on a larger surface finds that surface running on.
+  /// Beyond the outline, the scene of a real object falls back or is not measured, within the few
+  /// pixels over which sensors blur edges; for a wrong fit on a larger surface that surface
+  /// continues.
   void follow_outline(Examination& out, Sums& sums) const {
     constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
     for (int j = kMargin; j < crop_.height - kMargin; ++j) {
@@ -196,7 +197,7 @@ class Examiner {
   }
 
  private:
-  /// at  in the camera's frame
+  /// at  position in the camera's frame
   void tell(RayVerdict verdict, const Eigen::Vector3f& at) const {
     if (rays_ != nullptr) rays_->push_back({g_.T_camera_scene.inverse() * at, verdict});
   }
@@ -242,8 +243,7 @@ class Examiner {
     return sum;
   }
 
-  /// Whether the model ends here: nothing is met by the rays beyond. Clouds have holes a few rays
-  /// wide.
+  /// Whether the model ends here: the rays beyond hit nothing. Clouds have holes a few rays wide.
   bool ends_at(const RayEnd& end) const noexcept {
     for (int k = 1; k <= kMargin; ++k) {
       if (s_.state[crop_.at(end.i + k * end.di, end.j + k * end.dj)] != kMissed) return false;
@@ -251,7 +251,7 @@ class Examiner {
     return true;
   }
 
-  /// Whether the seen part ends here, and the model goes on deep beneath what is measured.
+  /// Whether the visible part ends here, and the model continues deep beneath the measured surface.
   bool dips_at(const RayEnd& end) const noexcept {
     if (s_.state[crop_.at(end.i, end.j)] != kConsistent) return false;
     const float deep = -kDeep * options_.verify.tolerance;
@@ -266,7 +266,7 @@ class Examiner {
     return false;
   }
 
-  /// Whether the scene goes on as the plane that it is before this ray: no edge, no fold.
+  /// Whether the scene continues in the plane before this ray: no edge, no fold.
   bool runs_on(const RayEnd& end) const noexcept {
     const auto [i, j, di, dj] = end;
     const int u = crop_.u(i), v = crop_.v(j);
@@ -289,7 +289,7 @@ class Examiner {
     return true;
   }
 
-  /// A place where the model ends: what lies beyond, and how it holds the pose.
+  /// Evaluate an end of the model: the scene beyond, and the constraint on the pose.
   void judge_end(const RayEnd& end, Examination& out, Sums& sums) const {
     const bool free = judge_beyond(end, out);
     sums.outline += 1;
@@ -298,14 +298,14 @@ class Examiner {
     sums.outline_covariance.noalias() += J * J.transpose();
   }
 
-  /// Pixels across an outline that sensors blur it over. It is somewhere between the last ray that
-  /// meets the model, and the next one.
+  /// Width in pixels over which sensors blur an outline. The outline is somewhere between the last
+  /// ray that hits the model and the next one.
   int reach(float z) const noexcept {
     return crop_.stride - 1 +
            std::max({3, edge_ + 1, whole_number(0.03F * diameter_ * g_.fx / z, 0, kMostReach)});
   }
 
-  /// Add what lies beyond a place of the outline; returns whether that is free.
+  /// Count the scene beyond a position of the outline; returns whether that is free.
   bool judge_beyond(const RayEnd& end, Examination& out) const {
     const auto [i, j, di, dj] = end;
     const float z = depth_at(i, j);
@@ -322,7 +322,7 @@ class Examiner {
       } else if (!(d > 0) || d > z + jump_) {
         open = true;
       } else if (options_.verify.is_background(image_.near_plane[pixel])) {
-        judged = false;  // things stand on it
+        judged = false;  // objects stand on it
       }
     }
     if (!any) return false;
@@ -338,8 +338,8 @@ class Examiner {
     return open;
   }
 
-  /// Whether the sensor saw the model up to its end here, but for the rays that graze it or that
-  /// edges are blurred over.
+  /// Whether the sensor saw the model up to its end here, except for grazing rays and those over
+  /// which edges are blurred.
   bool agrees_within(const RayEnd& end) const noexcept {
     const int last = reach(depth_at(end.i, end.j)) / crop_.stride;
     for (int k = 0; k <= last; ++k) {
@@ -350,7 +350,7 @@ class Examiner {
     return false;
   }
 
-  /// J of the outline, which would be seen to move across itself.
+  /// J of the outline, whose motion across itself would be visible.
   Vector6 outline_constraint(int i, int j) const noexcept {
     const float z = depth_at(i, j);
     const Eigen::Vector3f ray = ray_through(g_, crop_.u(i), crop_.v(j));
@@ -360,10 +360,10 @@ class Examiner {
     return constraint(ray * z, n.normalized());
   }
 
-  /// The direction in the image across the outline, to 4 degrees; a unit vector. Zero where the
-  /// rays around that miss the model lie elsewhere than those of them that met something farther:
-  /// near a corner of the model that hides or runs on, its sides would hold it along themselves, as
-  /// the steps would do where they are slanted.
+  /// The direction in the image perpendicular to the outline, to 4 degrees; a unit vector. Zero if
+  /// the surrounding rays that miss the model lie elsewhere than those of them that hit something
+  /// farther. Near a corner of the model that is hidden or continues, its sides would constrain the
+  /// pose along themselves, as the steps of slanted sides would.
   Eigen::Vector2f direction_across(int i, int j) const noexcept {
     const float farther = depth_at(i, j) + jump_;
     Eigen::Vector2f missed(0, 0), seen(0, 0);
@@ -390,9 +390,9 @@ class Examiner {
     return J;
   }
 
-  /// Whether the scene's surface bends towards the sensor as where two bodies touch: sharply, or
-  /// over the pixels that sensors which match windows round a crease over. The far side of a body's
-  /// own edge bends away.
+  /// Whether the scene's surface bends towards the sensor as at the contact of two bodies: sharply,
+  /// or over the pixels over which sensors that match windows round off a crease. The far side of a
+  /// body's own edge bends away.
   bool creases(int u, int v, int du, int dv) const noexcept {
     const int away = static_cast<int>(options_.window) + 1;
     for (int k = away; k <= kRounded * away; k += away) {
@@ -407,7 +407,7 @@ class Examiner {
   }
 
   /// Whether the scene's surface bends between both sides of a pixel, (du, dv) away from it; false
-  /// where either side has no normal.
+  /// if either side has no normal.
   bool folds(int u, int v, int du, int dv) const noexcept {
     const int u0 = u - du, v0 = v - dv, u1 = u + du, v1 = v + dv;
     if (!inside(u0, v0) || !inside(u1, v1)) return false;
@@ -424,14 +424,14 @@ class Examiner {
   Pose T_camera_model_;
   Eigen::Matrix3f R_scene_camera_;
   float diameter_;
-  float jump_;  // between depths of different things
+  float jump_;  // smallest depth step between different objects
   Eigen::Vector3f center_;
   int edge_;        // [pixel]
   float softness_;  // [tolerances]
   RayCrop crop_;
 };
 
-/// What turning about the symmetry axis does to J, as a unit vector; zero without an axis.
+/// Effect of rotation about the symmetry axis on J, as a unit vector; zero without an axis.
 Vector6 free_turn(const PosedModel& model,
                   const std::optional<Symmetry::Axis>& free_axis) noexcept {
   Vector6 turn = Vector6::Zero();
@@ -444,7 +444,7 @@ Vector6 free_turn(const PosedModel& model,
   return turn.normalized();
 }
 
-/// Standard deviation of the consistent places from the plane through them.
+/// Standard deviation of the consistent points from their best-fit plane.
 float off_plane(const Sums& sums) {
   const Eigen::Vector3d mean = sums.places / sums.count;
   const Eigen::Matrix3d spread = sums.spread / sums.count - mean * mean.transpose();

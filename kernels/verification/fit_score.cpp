@@ -10,7 +10,8 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr double kLowestShare = 0.03, kHighestShare = 0.97;  // of the rows, for the outer knots
+constexpr double kLowestShare = 0.03, kHighestShare = 0.97;  // quantiles of the rows for the outer
+                                                             // knots
 constexpr int kFitPasses = 400;
 constexpr double kFitted = 1e-5;  // largest step of a pass, in log odds
 
@@ -30,7 +31,7 @@ std::array<float, ScoreModel::kKnots> knots_of(std::span<const ScoreParts> parts
   return knots;
 }
 
-/// One ramp's values over all rows, and what coordinate descent knows of its weight.
+/// One ramp's values over all rows, and the state of coordinate descent for its weight.
 struct FitCoordinate {
   float* weight;
   std::vector<float> ramp;
@@ -49,7 +50,7 @@ std::vector<float> ramp_of(const ScoreModel& model, std::span<const ScoreParts> 
   return ramp;
 }
 
-/// One Newton step along a coordinate, within its trust region. Gives the step taken.
+/// One Newton step along a coordinate, within its trust region. Returns the step.
 double fit_along(FitCoordinate& c, std::span<const std::uint8_t> right, double ridge,
                  std::span<double> log_odds) {
   const double weight = static_cast<double>(*c.weight);

@@ -12,10 +12,11 @@ namespace {
 
 using Vector8 = ObjectEquations::Vector8;
 
-constexpr float kCoarsePixel = 0.3F;  // cosine below which half a pixel is more than the noise
-constexpr int kBlock = 16;            // [pixel]; errors of real cameras correlate over 8
-// Instead of a residual.
-constexpr float kEdge = std::numeric_limits<float>::infinity();  // the model ends, or is not seen
+constexpr float kCoarsePixel = 0.3F;  // cosine below which half a pixel exceeds the noise
+constexpr int kBlock = 16;            // [pixel]; errors of real cameras are correlated over 8
+// Special values of a residual.
+constexpr float kEdge =
+    std::numeric_limits<float>::infinity();  // the model ends, or is not visible
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// The geometry of an image with a focal scale applied.
@@ -26,8 +27,8 @@ ImageGeometry scaled(ImageGeometry geometry, double log_focal) {
   return geometry;
 }
 
-/// The part of a box that lies in the image or at most `reach` beside it. The ball of a pose that
-/// goes astray next to the camera may cover millions of pixels.
+/// The part of a box within `reach` of the image. The ball of a diverging pose next to the camera
+/// may cover millions of pixels.
 PixelBox within_image(const PixelBox& box, const ImageGeometry& g, int reach) {
   const auto beside = static_cast<float>(reach);
   return {std::max(box.u0, -beside), std::max(box.v0, -beside),
@@ -35,7 +36,7 @@ PixelBox within_image(const PixelBox& box, const ImageGeometry& g, int reach) {
           std::min(box.v1, static_cast<float>(g.height) + beside)};
 }
 
-/// What was measured along a ray beyond the model's surface, across it.
+/// Residual of the measurement along a ray from the model's surface, perpendicular to it.
 float residual_at(const RangeImage& image, const ExpectedPoint& expected, float depth_factor,
                   float gate) {
   const auto [u, v, z, along] = expected;
@@ -84,7 +85,7 @@ void gather_object(const RangeImage& image, const ObjectInView& object, const Lo
   const Column<float>& depths = s.hits.depths;
   Normals& normals = s.hits.normals;
 
-  // Normals come to the camera's frame and side.
+  // Rotate normals to the camera's frame and orient them to its side.
   const Eigen::Matrix3f R = T_camera_model.linear();
   s.residuals.resize(crop.size());
   for (int j = 0; j < crop.height; ++j) {
@@ -117,7 +118,8 @@ void gather_object(const RangeImage& image, const ObjectInView& object, const Lo
       const Eigen::Vector3f met = depths[at] * ray_through(g, crop.u(i), crop.v(j));
       const Vector8 J =
           derivative(met.cast<double>(), center.cast<double>(), normals[at].cast<double>());
-      const double r = -static_cast<double>(s.residuals[at]);  // beyond is against the normal
+      const double r = -static_cast<double>(s.residuals[at]);  // the residual beyond the surface is
+                                                               // opposite to the normal
       const double share = r / static_cast<double>(options.gate);
       const double root = (1 - share * share) / sigma;
       const Vector8 pull = -root * root * r * J;

@@ -17,14 +17,15 @@ using Eigen::Vector3d;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kAxisSteps = 315;
 
-/// The least over the symmetries of the greatest over the vertices. `squared_distance(S)` gives a
-/// function of the vertex.
+/// The minimum over the symmetries of the maximum over the vertices. `squared_distance(S)` returns
+/// a function of the vertex.
 template <class SquaredDistance>
 double least_greatest(PointsView vertices, std::span<const Isometry3d> symmetries,
                       const SquaredDistance& squared_distance) noexcept {
   assert(!vertices.empty() && !symmetries.empty() && "the identity is a symmetry");
   double least = kInfinity;
-  std::size_t farthest = 0;  // where the last symmetry failed, the next one mostly fails, too
+  std::size_t farthest = 0;  // start at the vertex where the last symmetry failed; the next one
+                             // mostly fails there, too
   for (const Isometry3d& S : symmetries) {
     const auto of_vertex = squared_distance(S);
     const auto value = [&](std::size_t i) {
@@ -44,7 +45,7 @@ double least_greatest(PointsView vertices, std::span<const Isometry3d> symmetrie
   return std::sqrt(least);
 }
 
-/// Call body(u, v, distance) for each pixel of the map with something in it.
+/// Call body(u, v, distance) for each non-empty pixel of the map.
 template <class Body>
 void for_surface(const DistanceMap& map, const Body& body) noexcept {
   const PixelWindow& window = map.window;
@@ -119,7 +120,7 @@ void vsd(const DistanceMap& measured, const DistanceMap& estimate, const Distanc
   for_surface(truth, [&](std::uint32_t u, std::uint32_t v, float distance) {
     if (is_visible(distance, measured.at(u, v), delta)) ++in_truth;
   });
-  std::ranges::fill(errors, 0.0);  // at first: pixels of both that are too far apart
+  std::ranges::fill(errors, 0.0);  // first counts pixels of both that are too far apart
   for_surface(estimate, [&](std::uint32_t u, std::uint32_t v, float distance) {
     const float sensed = measured.at(u, v), expected = truth.at(u, v);
     if (!is_visible(expected, sensed, delta)) {

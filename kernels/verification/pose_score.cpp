@@ -6,7 +6,8 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr float kEnoughPixels = 200;  // more of them say how near the object is, not how right
+constexpr float kEnoughPixels = 200;  // more of them show how near the object is, not how right the
+                                      // pose is
 
 }  // namespace
 
@@ -14,8 +15,8 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
   const float seen = e.consistent + e.violation + e.background;
   const float silhouette = e.covered + e.outside;  // nothing was measured beyond the images
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
-  // The constants are what a sensor cannot tell from nothing: without them a part would grow with
-  // the number of pixels, and near objects would score better than far ones.
+  // The offsets are the resolution of sensors near zero: without them a part would grow with the
+  // number of pixels, and near objects would score better than far ones.
   constexpr ScoreOffsets offset = kScoreOffsets;
   return {std::log(e.violation / (seen + 10) + offset.violation),
           std::log(e.background / (seen + 10) + offset.background),

@@ -21,7 +21,7 @@ PixelBox PixelBox::joined(const PixelBox& other) const noexcept {
 
 RayCrop::RayCrop(const PixelBox& box, int margin) noexcept {
   const float wide = box.u1 - box.u0, high = box.v1 - box.v0;
-  // The camera is just outside the ball: its cone may be of any width.
+  // The camera is just outside the ball: its cone may have any width.
   constexpr int kMostPixels = 1 << 24;
   stride = whole_number(std::ceil(std::max(wide, high) / kMaxSide), 1, kMostPixels);
   const auto rays = [&](float length) {

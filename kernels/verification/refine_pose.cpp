@@ -15,11 +15,11 @@ namespace {
 using EightFloats [[gnu::vector_size(32)]] = float;
 using EightDoubles [[gnu::vector_size(64)]] = double;
 
-/// What the samples of a block that fall on the image say about the motion.
+/// Contributions of a block's samples inside the image to the normal equations.
 struct Pulls {
   std::size_t count = 0;
-  alignas(64) BlockColumn<std::int32_t> index;   // in the block
-  alignas(64) BlockColumn<std::int32_t> counts;  // 0: nothing within the gate was measured there
+  alignas(64) BlockColumn<std::int32_t> index;   // index in the block
+  alignas(64) BlockColumn<std::int32_t> counts;  // 0: no measurement within the gate
   // Derivative of the residual to rotation and translation (6), the residual, and the square root
   // of the weight.
   alignas(64) BlockColumn<std::array<float, 8>> rows;
@@ -34,13 +34,13 @@ struct MovedBlock {
   }
 };
 
-/// Where one iteration stands.
+/// State of one iteration.
 struct Stand {
-  Eigen::Vector3f pivot;  // turning about the object keeps the system well conditioned
+  Eigen::Vector3f pivot;  // rotating about the object keeps the system well conditioned
   float gate, min_cosine;
 };
 
-/// Compare samples with the measured points on their viewing rays.
+/// Compare samples with the measured points along their viewing rays.
 TRIVET_SIMD_CLONES
 void measure(const RangeImage& image, const SampleBlock& __restrict block,
              const MovedBlock& __restrict moved, const Stand& stand,
@@ -49,7 +49,7 @@ void measure(const RangeImage& image, const SampleBlock& __restrict block,
   const float* const depth = image.depth.data();
   const auto [scene_x, scene_y, scene_z] = image.normals.view();
   const auto& T = geometry.T_camera_scene.matrix();
-  const float xx = T(0, 0), xy = T(1, 0), xz = T(2, 0);  // its inverse turns normals
+  const float xx = T(0, 0), xy = T(1, 0), xz = T(2, 0);  // the inverse rotation for normals
   const float yx = T(0, 1), yy = T(1, 1), yz = T(2, 1);
   const float zx = T(0, 2), zy = T(1, 2), zz = T(2, 2);
   const float fx = geometry.fx, fy = geometry.fy, cx = geometry.cx, cy = geometry.cy;
@@ -87,8 +87,8 @@ void measure(const RangeImage& image, const SampleBlock& __restrict block,
   }
 }
 
-/// Sums over samples: row i < 6 of the normal matrix (the first six numbers), and the right side's
-/// negative in the seventh.
+/// Sums over samples: row i < 6 of the normal matrix (the first six numbers), and the negative
+/// right-hand side in the seventh.
 struct NormalEquations {
   std::array<EightDoubles, 7> rows{};
   std::uint32_t associated = 0;
@@ -155,7 +155,8 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
       for (int j = 0; j < 6; ++j) A(i, j) = sums.rows[static_cast<std::size_t>(i)][j];
       b[i] = -sums.rows[6][i];
     }
-    // A little damping holds directions that the visible surface does not fix, as a plane's slide.
+    // Slight damping constrains directions that the visible surface leaves free, such as sliding on
+    // a plane.
     A.topLeftCorner<3, 3>().diagonal().array() +=
         1e-3 * A.topLeftCorner<3, 3>().trace() / 3 + 1e-30;
     A.bottomRightCorner<3, 3>().diagonal().array() +=

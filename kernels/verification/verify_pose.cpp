@@ -44,9 +44,9 @@ float Evidence::score() const noexcept {
 namespace {
 
 // Cosine below which a sample is too oblique to be measured, a degree beyond the 80 of rays
-// (kMinRayCosine): its view mask has the limit of 80 degrees already, to the nearest view.
+// (kMinRayCosine): its view mask already has the limit of 80 degrees, to the nearest view.
 constexpr float kUnmeasurable = 0.15F;
-// Cosine taken where the scene has no normal: below that of a good fit.
+// Cosine used if the scene has no normal: below that of a good fit.
 constexpr float kUnknownNormal = 0.8F;
 constexpr float kUnreached = std::numeric_limits<float>::infinity();
 
@@ -62,16 +62,16 @@ void find_facing(const SampleBlock& block, BlockColumn<float>& facing) noexcept 
   }
 }
 
-/// Samples that should be visible, and what was measured there.
+/// Samples that should be visible, and their measurements.
 struct Seen {
   std::size_t count = 0;
-  alignas(64) BlockColumn<std::int32_t> index;  // in the block
+  alignas(64) BlockColumn<std::int32_t> index;  // index in the block
   alignas(64) BlockColumn<std::int32_t> pixel;  // the sample's or a neighbor, whichever fits best
-  alignas(64) BlockColumn<float> residual;      // there; infinite without a measurement
+  alignas(64) BlockColumn<float> residual;      // residual there; infinite without a measurement
 };
 
 /// The pixel or a neighbor, whichever fits best: half a pixel of error must not look like a hole.
-/// Beyond the image's edge the pixel stands for its neighbor.
+/// Beyond the image's edge, the pixel replaces its neighbor.
 TRIVET_SIMD_CLONES
 void fit_pixels(const RangeImage& image, const SampleBlock& block, const BlockColumn<float>& facing,
                 float tolerance, Seen& seen) noexcept {
@@ -105,8 +105,8 @@ void fit_pixels(const RangeImage& image, const SampleBlock& block, const BlockCo
   }
 }
 
-/// Where the pixels of consistent samples go, if anywhere: as numbers after those of the images
-/// before.
+/// Output for the pixels of consistent samples, if any: indices are offset by the pixels of
+/// previous images.
 struct PixelList {
   std::vector<std::uint32_t>* pixels;
   std::uint32_t first;
@@ -118,11 +118,11 @@ struct Limits {
   float min_normal_cosine;
 };
 
-/// What the seen samples of one block met.
+/// Evaluate the visible samples of one block.
 void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen& seen,
                    const Limits& limits, Evidence& evidence, const PixelList& explained) {
   const VerifyOptions& options = limits.options;
-  // Branches here would be guessed wrong as often as right: count without any.
+  // Branches here would be unpredictable: count without any.
   BlockColumn<std::uint32_t> agreeing;
   std::uint32_t num_agreeing = 0, unknown = 0, violation = 0, occluded = 0, on_background = 0;
   const std::span<const std::uint8_t> planes = image.plane;
@@ -132,7 +132,7 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen
     const bool known = r < kUnreached, behind = known & (r > options.tolerance),
                before = r < -options.tolerance, agrees = known & !behind & !before;
     unknown += !known;
-    violation += behind | (before & background);  // nothing reaches through a table
+    violation += behind | (before & background);  // nothing penetrates a table
     occluded += before & !background;
     on_background += agrees & background;
     agreeing[num_agreeing] = k;
@@ -200,7 +200,7 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
 
 namespace {
 
-constexpr int kOutlineSide = 96;  // cells; a diameter is some 50
+constexpr int kOutlineSide = 96;  // number of cells; a diameter is some 50
 
 /// A coarse image of the model alone, around its center.
 struct OutlineGrid {
@@ -258,9 +258,9 @@ OutlineGrid grid_around(const Eigen::Vector3f& center, float diameter, float spa
   return grid;
 }
 
-/// The cells that the first n samples fall into, with the depth of the nearest one of each.
+/// The cells that contain the first n samples, with the depth of the nearest one in each.
 ///
-/// depth  grid.side^2, infinite where no sample is
+/// depth  grid.side^2, infinite without a sample
 Outline draw_samples(const PosedSamples& posed, std::size_t n, const ImageGeometry& geometry,
                      const OutlineGrid& grid, std::span<float> depth) noexcept {
   const auto side = static_cast<std::size_t>(grid.side);
@@ -288,7 +288,7 @@ Outline draw_samples(const PosedSamples& posed, std::size_t n, const ImageGeomet
   return hit;
 }
 
-/// Each cell with the eight around it.
+/// Dilation of each cell to its eight neighbors.
 Outline widened(const Outline& hit, std::size_t side) noexcept {
   Outline filled{};
   for (std::size_t v = 1; v + 1 < side; ++v) {
@@ -298,7 +298,7 @@ Outline widened(const Outline& hit, std::size_t side) noexcept {
   return filled;
 }
 
-/// Call visit(u, v, du, dv) for each cell at the border of an outline that has nothing of it within
+/// Call visit(u, v, du, dv) for each border cell of an outline that has no other cell of it within
 /// two cells in the direction (du, dv).
 template <class Visit>
 void for_borders(const Outline& filled, std::size_t side, Visit&& visit) {
@@ -314,7 +314,7 @@ void for_borders(const Outline& filled, std::size_t side, Visit&& visit) {
   }
 }
 
-/// The depth of the nearest sample in a cell and the eight around it.
+/// The depth of the nearest sample in a cell and its eight neighbors.
 float nearest_around(std::span<const float> depth, std::size_t side, std::size_t u,
                      std::size_t v) noexcept {
   float z = kUnreached;
@@ -345,7 +345,7 @@ ContourEvidence judge_contour(std::span<const RangeImage> images, const ModelSam
     scratch.depth.assign(side * side, kUnreached);
     const Outline filled = widened(draw_samples(posed, n, geometry, grid, scratch.depth), side);
 
-    // Beyond each border cell of the outline, one cell out, look at the scene.
+    // Test the scene one cell beyond each border cell of the outline.
     for_borders(filled, side, [&](std::size_t u, std::size_t v, int du, int dv) {
       const float pu = grid.u0 + (static_cast<float>(static_cast<int>(u) + du) + 0.5F) * grid.cell;
       const float pv = grid.v0 + (static_cast<float>(static_cast<int>(v) + dv) + 0.5F) * grid.cell;
