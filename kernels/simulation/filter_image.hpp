@@ -24,7 +24,6 @@ enum class Along { rows, columns };
 /// from it by no more than `reach`. Pixels without measurement stay so.
 /// Source: the two passes of the spatial filter of librealsense (post-processing filters), an
 /// edge-preserving mean; its weights fall off, these do not.
-/// edge-preserving mean; its weights fall off, these do not.
 void smooth_image(const ValueImage& in, std::uint32_t first_row, Along along, std::uint32_t radius,
                   float reach, std::span<float> out) noexcept;
 

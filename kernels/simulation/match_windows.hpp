@@ -28,7 +28,7 @@ inline constexpr std::uint32_t kMaxHalfWindow = 7;
 /// disparities  whole rows [pixel]; 0: too few dots agree
 /// Of disparities with equal votes, that of the first dot, row by row, wins. Rows are independent:
 /// any split into chunks of rows gives the same bits. No allocation.
-/// independent: any split into chunks of rows gives the same bits. No allocation.
+///
 /// At depth discontinuities of less than `reach_pixel` of disparity, the two surfaces blend over a
 /// window: recesses fill, edges slant. At more than twice that, the surface with more dots in the
 /// window wins. Beside a shadow, which shows no dots, that is the object's surface: it grows there

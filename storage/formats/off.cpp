@@ -70,7 +70,6 @@ class OffText {
 /// Formally, numbers may be anywhere, and a face's color extends to the end of its line. Most files
 /// have one vertex or face per line, and colors of vertices that no keyword announces. So the
 /// number of lines determines how a file is read.
-/// lines tells how a file is to be read.
 enum class Layout {
   row_a_line,      ///< as many lines as rows: each row is on its own line
   rows_of_lines,   ///< more: a row may span several lines and ends with one
