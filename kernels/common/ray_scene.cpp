@@ -107,8 +107,8 @@ struct RayScene::State {
     ::operator delete(probe);
   }
   std::size_t bytes() const noexcept {
-    // Corners, indices and the tree over them: Embree counts 85 to 93 bytes a triangle for meshes of
-    // 450 to 100,000 triangles.
+    // Corners, indices and the tree over them: Embree counts 85 to 93 bytes per triangle for meshes
+    // of 450 to 100,000 triangles.
     constexpr std::size_t kBytesAPrimitive = 96, kBytesAScene = 4096;
     return kBytesAScene + num_primitives * kBytesAPrimitive;
   }

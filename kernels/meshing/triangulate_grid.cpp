@@ -82,7 +82,7 @@ void visit_triangles(const PixelGrid& grid, const Judge& judge, Visit&& visit) {
   for (std::size_t v = 0; v + 1 < grid.height; ++v) {
     const std::int32_t* const row = &grid.point_index[v * grid.width];
     for (std::size_t u = 0; u + 1 < grid.width; ++u) {
-      // Around the square.
+      // The corners in order around the square.
       const std::array<std::int32_t, 4> p{row[u], row[grid.width + u], row[grid.width + u + 1],
                                           row[u + 1]};
       std::size_t num_empty = 0, empty = 0;

@@ -20,8 +20,8 @@ constexpr double kIndependent = -0.05, kDependent = 0.15;
 // Relative to the range. Smaller residuals are shape: cameras that match windows have errors of at
 // least a twentieth of a pixel of disparity, 2e-4 of the range at 0.2 m.
 constexpr double kFinest = 1e-4;
-constexpr std::size_t kFewest = 8;      // patches
-constexpr double kSmoothest = 1.0 / 3;  // of the patches
+constexpr std::size_t kFewest = 8;      // patches needed
+constexpr double kSmoothest = 1.0 / 3;  // share of the patches
 constexpr std::size_t kRangeBins = 8;
 constexpr std::size_t kFewestInBin = 15;
 // The exponents of the available cameras are 1.3 to 2; the weight is relative to a bin's spread in

@@ -49,7 +49,7 @@ class Comparer {
     return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
   }
 
-  /// Count a ray for the shares of rays without measurement.
+  /// Count a ray for the shares of missing measurements.
   void count(const Rendered& a, const Rendered& b, int u, int v) noexcept {
     if (a.meets != b.meets) return;
     if (!a.meets) return off_.add(is_missing(u, v));

@@ -42,7 +42,7 @@ struct Evidence {
   std::uint32_t outside = 0;     ///< outside the image (not counted in visible)
   std::uint32_t background = 0;  ///< agrees only with a background plane
   float weight = 0;  ///< sum over consistent samples of (1 - (r / tolerance)^2) cos(normals)
-  float squared_residuals = 0;  ///< over consistent samples [scene unit^2]
+  float squared_residuals = 0;  ///< sum over consistent samples [scene unit^2]
   /// Contour places beyond which the scene falls back or is not measured.
   std::uint32_t contour_free = 0;
   /// Contour places beyond which the scene continues at the model's depth.

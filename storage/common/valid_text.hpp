@@ -16,7 +16,7 @@ std::string valid_utf8(std::string_view bytes);
 
 /// The bytes as one line of UTF-8 without effect on a terminal or a log. Control characters (C0,
 /// DEL, C1), line and paragraph separators, and bidirectional marks are escaped as in JSON, such as
-/// ESC by u001B behind a backslash. Backslashes stay single.
+/// ESC as u001B after a backslash. Backslashes stay single.
 std::string printable(std::string_view bytes);
 
 /// As printable(), for text of several lines: line feeds and tabs stay.

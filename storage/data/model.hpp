@@ -52,7 +52,7 @@ enum class ModelPart : std::uint8_t { surface, samples, pairs, features };
 inline constexpr std::array kModelParts{ModelPart::surface, ModelPart::samples, ModelPart::pairs,
                                         ModelPart::features};
 
-/// An object that can be recognized.
+/// A recognizable object.
 struct Model {
   std::string name;         ///< [A-Za-z0-9][A-Za-z0-9._-]{0,127}
   std::string source;       ///< name of the training file, without folders

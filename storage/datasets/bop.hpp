@@ -1,7 +1,7 @@
 /// Layout of data sets of the BOP benchmark.
 ///
 ///     DATASET/models/obj_000001.ply, models_info.json       meshes [mm]
-///     DATASET/models_eval/…                                 meshes that errors are measured on
+///     DATASET/models_eval/…                                 meshes for computing errors
 ///     DATASET/camera.json                                   the sensor, for rendering
 ///     DATASET/test/000001/depth/000003.png                  split, scene, image: 16-bit depth
 ///     DATASET/test/000001/mask/000003_000000.png            image, instance: 8 bits, 255 on it

@@ -26,9 +26,8 @@ Result<Manifest> read_bop_models(const std::filesystem::path& folder);
 /// The models and the scenes of a data set, in mm, by scene and image id.
 ///
 /// folder   folder of the data set, whose only split called test… is chosen, or of any of its
-/// splits. For scenes with several cameras (scene_camera_CAM.json, depth_CAM/, scene_gt_CAM.json),
-/// the one with depth images is chosen, or the one named as FOLDER:CAM
-///
+///          splits. For scenes with several cameras (scene_camera_CAM.json, depth_CAM/,
+///          scene_gt_CAM.json), the one with depth images is chosen, or the one named as FOLDER:CAM
 /// Depth images are PNG or TIFF files.
 /// The images are those of the targets files if a test split has one, otherwise all. Targets have
 /// the instance counts of test_targets_bop19.json (or _bop24, if it is the only one). Without

@@ -108,7 +108,7 @@ class PlyBody {
   std::string fault_;
 };
 
-/// The length of a list; an error when the file cannot hold it.
+/// The length of a list; an error if the file cannot hold it.
 Result<std::uint64_t> read_count(PlyBody& body, const PlyElement& element, std::uint64_t row,
                                  const PlyProperty& list) {
   double count = 0;
