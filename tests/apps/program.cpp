@@ -25,7 +25,8 @@ Outcome run_program(const std::string& program, const std::vector<std::string>& 
   argv.push_back(nullptr);
   std::vector<std::string> environment = setting.environment;
 
-  // Running the program closes it; else it says why. A shell, too, ends with 127 what it misses.
+  // Closed by a successful exec; otherwise it carries the error. A shell also exits with 127 for a
+  // missing program.
   int failure[2];
   if (::pipe2(failure, O_CLOEXEC) != 0) throw std::runtime_error("cannot make a pipe");
   const pid_t child = ::fork();

@@ -1,5 +1,5 @@
-// The evaluation against a scorer that shares no code with it: score_poses.py beside the
-// development data. Both must count the same, on what is recognized and on detections made up to be
+// Compares the evaluation with a scorer that shares no code with it: score_poses.py beside the
+// development data. Both must count the same, for recognized poses and for detections made to be
 // hard to judge.
 #include <gtest/gtest.h>
 
@@ -52,7 +52,7 @@ class Agreement : public testing::TestWithParam<const char*> {
     return outcome.exit_code == 0 ? parsed("theirs.json") : Json();
   }
 
-  /// "right/instances" of each group, as the other scorer prints it.
+  /// "right/instances" of each group, as printed by the other scorer.
   static Json shares(const Json& groups) {
     Json out = Json::object();
     for (const auto& [name, group] : groups.items()) {
@@ -68,8 +68,9 @@ class Agreement : public testing::TestWithParam<const char*> {
     if (!ours.at("by_occlusion").empty()) {
       EXPECT_EQ(shares(ours.at("by_occlusion")), theirs.at("by_occlusion"));
     }
-    // The other scorer takes poses as they stand, also those that are not quite rigid (some truths
-    // of kinect_bunny stretch by 0.3 %). Its angles are arc cosines, which lose small ones.
+    // The other scorer uses poses unchanged, even those that are not quite rigid (some truths of
+    // kinect_bunny stretch by 0.3 %). Its angles are arc cosines, which lose precision at small
+    // angles.
     const Json &own = ours.at("median_translation_error_over_diameter"),
                &other = theirs.at("median_translation_error_over_diameter");
     ASSERT_EQ(own.is_null(), other.is_null());
@@ -78,7 +79,7 @@ class Agreement : public testing::TestWithParam<const char*> {
       EXPECT_NEAR(own, expected, 0.01 * expected + 2e-3);
     }
   }
-  /// Judge found.json by both, all of it and what reaches a threshold.
+  /// Judges found.json with both scorers, once in full and once above a threshold.
   void expect_agreement() const {
     for (const auto& options :
          {std::vector<std::string>{}, std::vector<std::string>{"--min-score", "0.6"}}) {
@@ -98,7 +99,7 @@ TEST_P(AgreementOnRecognition, HoldsForStoredDetectionsAndWhileRecognizing) {
   run({"train", manifest(), "-o", "library.h5", "--quiet"});
   run({"recognize", "library.h5", manifest(), "--json", "found.json", "--quiet"});
   expect_agreement();
-  if (std::string(GetParam()) != "uwa") return;  // the rest takes as long again
+  if (std::string(GetParam()) != "uwa") return;  // the other data sets double the time
   run({"evaluate", "library.h5", manifest(), "--json", "again.json", "--quiet"});
   expect_same(parsed("again.json"), scored_independently({}));
 }
@@ -112,7 +113,7 @@ class Perturber {
  public:
   explicit Perturber(std::vector<EvaluationMesh> meshes) : meshes_(std::move(meshes)) {}
 
-  /// Eight detections about one truth.
+  /// Eight detections around one truth.
   void add(const TruthInstance& truth, Json& detections) {
     const EvaluationMesh& mesh = *find_mesh(meshes_, truth.model);
     const Isometry3d pose = truth.T_scene_model.cast<double>() * symmetry(mesh);
@@ -123,7 +124,7 @@ class Perturber {
     }
     push(truth.model, Eigen::Translation3d(direction() * 0.4 * limit) * pose * turn(mesh, 5),
          detections);
-    // The same again, another model's name, and a name that nobody knows.
+    // A duplicate, another model's name, and an unknown name.
     detections.push_back(detections[random_.below(static_cast<std::uint32_t>(detections.size()))]);
     detections.back()["score"] = score();
     push(meshes_[random_.below(static_cast<std::uint32_t>(meshes_.size()))].name, pose, detections);

@@ -1,4 +1,4 @@
-// Holds the program's BOP numbers against tests/comparisons/bop_metrics.py, which computes them from
+// Compares the program's BOP scores with tests/comparisons/bop_metrics.py, which computes them from
 // the definitions alone, on random scenes.
 #include <gtest/gtest.h>
 #include <stdio.h>
@@ -41,7 +41,7 @@ Pose half_turn(const Vector3f& axis) {
   return pose;
 }
 
-/// Scenes of three models some 100 mm large, 0.6 m before the camera, in either unit.
+/// Scenes of three models of some 100 mm, 0.6 m in front of the camera, in either unit.
 class Case {
  public:
   Case(std::uint64_t number, LengthUnit unit, const test::TempDir& folder)
@@ -54,7 +54,7 @@ class Case {
         {{half_turn(Vector3f::UnitX()), half_turn(Vector3f::UnitY()), half_turn(Vector3f::UnitZ())},
          {},
          true});
-    test::Shape rod;  // of six sides, declared round
+    test::Shape rod;  // six-sided, declared round
     for (int i = 0; i < 6; ++i) {
       const auto at = [](int side, float z) {
         const float angle = static_cast<float>(side) * std::numbers::pi_v<float> / 3;
@@ -77,7 +77,7 @@ class Case {
   Manifest manifest;
   std::vector<EvaluationMesh> meshes;
   std::vector<std::optional<SceneResult>> results;
-  json document;  // of what bop_metrics.py reads
+  json document;  // input of bop_metrics.py
 
  private:
   void add_model(const std::string& name, const test::Shape& shape, double diameter,
@@ -116,7 +116,7 @@ class Case {
     return pose;
   }
 
-  /// Near the pose, mostly; by a symmetry of the model, sometimes.
+  /// An estimate that is usually near the pose and sometimes changed by a symmetry of the model.
   Pose estimate_of(const Pose& truth, const Symmetry& symmetry) {
     Pose off = Pose::Identity();
     const float size = std::pow(10.0F, random_.uniform(-2, 0.3F));
@@ -187,7 +187,7 @@ class Case {
     manifest.scenes.push_back(scene);
   }
 
-  /// Depths of the truths before a wall, with gaps.
+  /// Depths of the truths in front of a wall, with gaps.
   void add_depth(ManifestScene& scene, json& entry) {
     scene.camera = Camera{70, 68, 30.3, 24.8, 0.1 * static_cast<double>(mm_)};
     scene.file = folder_ / (scene.name + ".png");
@@ -268,8 +268,8 @@ void expect_near(const std::optional<double>& ours, const json& reference, doubl
 
 class BopReference : public testing::TestWithParam<int> {};
 
-// All numbers hang on the same double arithmetic, but for VSD: our rays are cast in float. The
-// reference says which pixels such rounding can turn, and by how much the error may change.
+// All scores use the same double arithmetic, except for VSD: Trivet casts rays in float. The
+// reference reports the pixels that such rounding can change, and by how much the error may change.
 TEST_P(BopReference, AgreesOnRandomScenes) {
   const test::TempDir folder;
   const auto number = static_cast<std::uint64_t>(GetParam());
@@ -326,7 +326,7 @@ TEST_P(BopReference, AgreesOnRandomScenes) {
     }
   }
   EXPECT_GT(num_compared, 200U);
-  EXPECT_GT(num_exact, num_compared * 3 / 4) << "or the comparison says little";
+  EXPECT_GT(num_exact, num_compared * 3 / 4) << "otherwise the comparison shows little";
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, BopReference, testing::Range(0, 4));

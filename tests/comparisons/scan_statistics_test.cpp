@@ -1,5 +1,5 @@
-// Rendered scans beside real ones: what a sensor makes of outlines, edges and faces of objects
-// whose pose is known, by the same figures for both.
+// Rendered scans compared with real ones: the sensor's effect on outlines, edges and faces of
+// objects with known poses, by the same statistics for both.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ namespace {
 
 using kernels::RayScene;
 
-/// A depth image and everything that is known to be in it.
+/// A depth image and all objects known to be in it.
 struct KnownScan {
   std::uint32_t width = 0, height = 0;
   Camera camera;
@@ -42,11 +42,12 @@ constexpr int kReach = 5, kFarBegin = 8, kFarEnd = 12, kInterior = 6;
 
 /// Sums over scans.
 struct Statistics {
-  // Beyond the outline: pixels that carry the object's depth, by side (left, right, top, bottom).
+  // Beyond the outline: pixels with the object's depth, by side (left, right, top, bottom).
   std::array<std::array<double, kReach>, 4> carried{}, outside{};
-  // Within it: how much farther than the face's middle [widths of a pixel there].
+  // Within the outline: how much farther the depth is than at the face's center [widths of a pixel
+  // there].
   std::array<double, kReach> lean{}, inside{};
-  // Of what is left on faces after a quadratic surface is taken off.
+  // Sums over the residuals on faces after subtracting a quadratic surface.
   std::array<double, kLags.size()> products{}, pairs{};
   double squares = 0, weight = 0;
   double missing = 0, pixels = 0;
@@ -59,7 +60,7 @@ struct Statistics {
     }
     return sum / n;
   }
-  /// Largest less smallest share of a side, at 2 pixels.
+  /// Difference between the largest and smallest fraction of a side, at 2 pixels.
   double sidedness() const {
     double low = 1, high = 0;
     for (std::size_t side = 0; side < 4; ++side) {
@@ -76,7 +77,7 @@ struct Statistics {
   }
 };
 
-/// Every figure, in one row.
+/// All statistics, in one row.
 struct Figures {
   std::vector<std::string> names;
   std::vector<double> values;
@@ -100,7 +101,7 @@ Figures figures_of(const Statistics& s) {
   return out;
 }
 
-/// What differs from the true surfaces, pixel by pixel.
+/// Differences from the true surfaces, pixel by pixel.
 class Comparison {
  public:
   Comparison(const KnownScan& scan, const RayScene& rays)
@@ -129,7 +130,7 @@ class Comparison {
   double exact(int u, int v) const { return static_cast<double>(exact_.depth[at(u, v)]); }
   double scaled(double error, double z) const { return 1000 * error / (z * z); }
 
-  /// Well within the object and facing the camera.
+  /// Whether a pixel is well within the object and its surface faces the camera.
   bool interior(int u, int v, std::uint32_t k) const {
     if (!shows(u, v, k)) return false;
     for (const int d : {-kInterior, kInterior}) {
@@ -140,7 +141,7 @@ class Comparison {
     return -exact_.normals[at(u, v)].cast<double>().dot(ray.normalized()) > 0.5;
   }
 
-  /// Returns the mean residual of the face [m]; NaN without enough of it.
+  /// Returns the mean residual of the face [m]; NaN if too little of the face was measured.
   double add_face(std::uint32_t k, Statistics& sum) const {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     std::vector<int> us, vs;
@@ -224,7 +225,7 @@ class Comparison {
                      far.end());
     const double z = exact(u, v), jump = far[far.size() / 2] - z;
     if (jump < std::max(0.04, 0.05 * z)) return;
-    // Where the object lies as it is said to.
+    // Only where the measured object agrees with its known pose.
     if (!shows(u - kReach * du, v - kReach * dv, k)) return;
     const double deep = measured(u - kReach * du, v - kReach * dv);
     if (std::abs(deep - exact(u - kReach * du, v - kReach * dv)) > 0.02 * z) return;
@@ -304,7 +305,7 @@ Statistics measure_real(const std::filesystem::path& file) {
   return sum;
 }
 
-/// Each randomized scene by itself.
+/// Statistics of each randomized scene separately.
 std::vector<Statistics> measure_rendered(Sensor sensor, std::uint32_t num_scenes) {
   const std::vector<ScanModel> models =
       make_scan_models(4, 3, std::vector<std::string>{"carton", "elbow", "can", "cup"});
@@ -344,14 +345,15 @@ std::vector<Statistics> measure_rendered(Sensor sensor, std::uint32_t num_scenes
 
 struct RealSets {
   const char* name;
-  Sensor sensor;  // of the kind that they were scanned with
+  Sensor sensor;  // the kind of sensor of the real scans
   std::array<const char*, 2> folders;
 };
 std::ostream& operator<<(std::ostream& out, const RealSets& sets) { return out << sets.name; }
 
 class ScanStatistics : public testing::TestWithParam<RealSets> {};
 
-// docs/measurements.md has the figures, which are properties of this test's XML output.
+// docs/measurements.md lists the statistics, which this test writes as properties to its XML
+// output.
 TEST_P(ScanStatistics, OfRealScansLieWithinThoseOfRandomizedOnes) {
   const RealSets sets = GetParam();
   const std::filesystem::path data = TRIVET_DATA;

@@ -1,4 +1,4 @@
-// What libFuzzer calls. TRIVET_FUZZ_TARGET names the function to be searched.
+// The entry points called by libFuzzer. TRIVET_FUZZ_TARGET names the target function.
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -10,7 +10,7 @@
 #define TRIVET_JOIN_NAMES(a, b) a##b
 #define TRIVET_JOIN(a, b) TRIVET_JOIN_NAMES(a, b)
 
-/// Writes the seeds to the folder that FUZZ_SEEDS names.
+/// Writes the seeds to the folder FUZZ_SEEDS.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   const char* const folder = std::getenv("FUZZ_SEEDS");
   std::size_t number = 0;

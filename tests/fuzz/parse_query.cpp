@@ -1,4 +1,4 @@
-// The options of a recognition, as parameters of the target or as a JSON object.
+// The options of a recognition, as query parameters or as a JSON object.
 #include "apps/service/http/json_parameters.hpp"
 #include "apps/service/serve/requests/recognize_query.hpp"
 #include "fuzz/targets.hpp"

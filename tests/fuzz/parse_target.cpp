@@ -1,4 +1,4 @@
-// The path and parameters of a request.
+// The path and query parameters of a request.
 #include <algorithm>
 
 #include "apps/service/http/query.hpp"

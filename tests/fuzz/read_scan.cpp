@@ -17,7 +17,7 @@ void read_scan(std::string_view input) {
     return;
   const std::string name =
       "body." + std::string(kFormats[static_cast<std::size_t>(input[0] - '0')]);
-  // An allocation of just this size, so that a read beyond it is seen.
+  // The allocation has exactly this size, so that sanitizers detect a read beyond it.
   const std::vector<char> body(input.begin() + 1, input.end());
   const ReadOptions options{.camera = test::kCamera, .max_points = 100'000, .max_pixels = 100'000};
   const Result<Cloud> cloud = read_cloud(std::as_bytes(std::span(body)), name, options);

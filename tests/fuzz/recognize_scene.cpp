@@ -14,10 +14,10 @@ namespace trivet::fuzz {
 namespace {
 
 constexpr std::array<std::string_view, 6> kSceneFormats{"ply", "obj", "stl", "off", "xyz", "png"};
-constexpr char kFirstChoice = 'a';  // then closed, viewpoint and another unit, a bit each
+constexpr char kFirstChoice = 'a';  // followed by one bit each: closed, viewpoint, another unit
 constexpr int kNumChoices = 8;
 
-/// A foot with a pillar, some 200 across, coarsely sampled and trained for voting alone.
+/// A foot with a pillar, some 200 wide, coarsely sampled and trained for voting alone.
 const Recognizer& recognizer() {
   static const Recognizer made = [] {
     test::Shape part = test::box({-80, -50, 0}, {80, 50, 20});
@@ -68,7 +68,7 @@ void recognize_scene(std::string_view input) {
   const std::vector<char> body(input.begin() + 2, input.end());
   const ReadOptions limits{.camera = test::kCamera, .max_points = 20'000, .max_pixels = 20'000};
   const Result<Cloud> cloud = read_cloud(std::as_bytes(std::span(body)), scene.file, limits);
-  if (!cloud) return;  // read_scan looks into that
+  if (!cloud) return;  // covered by read_scan
 
   const Result<SceneResult> result = recognize(recognizer(), *cloud, scene, few_of_all());
   if (!result) {

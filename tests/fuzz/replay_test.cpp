@@ -1,4 +1,4 @@
-// What the fuzzer begins from, and what it has found: each input keeps the promises of its target.
+// Replays the fuzzer's seeds and findings: each input keeps the guarantees of its target.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -22,7 +22,7 @@ TEST_P(Replay, KeepsItsPromisesOnEverySeed) {
 TEST_P(Replay, KeepsItsPromisesOnEveryPastFinding) {
   const std::filesystem::path folder =
       std::filesystem::path(TRIVET_TEST_REGRESSIONS) / GetParam().name;
-  if (!std::filesystem::exists(folder)) return;  // none was found yet that a seed does not show
+  if (!std::filesystem::exists(folder)) return;  // no findings beyond the seeds yet
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::ifstream stream(entry.path(), std::ios::binary);
     const std::string input(std::istreambuf_iterator<char>(stream), {});

@@ -1,4 +1,4 @@
-// A body of several parts: the content type on the first line, then the body.
+// A multipart body: the content type on the first line, then the body.
 #include "apps/service/http/multipart.hpp"
 #include "fuzz/targets.hpp"
 

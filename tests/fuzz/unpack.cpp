@@ -1,4 +1,4 @@
-// A packed body: g for gzip or another letter for deflate, then the bytes.
+// A compressed body: g for gzip or another letter for deflate, then the bytes.
 #include "apps/service/http/content_coding.hpp"
 #include "fuzz/targets.hpp"
 

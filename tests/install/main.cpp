@@ -9,7 +9,7 @@ int main() {
   const bool good = trivet::validate(options).has_value();
   options.relative_step = -1;
   const trivet::Result<void> bad = trivet::validate(options);
-  // Calls of every layer, so that all the libraries below are linked.
+  // Calls functions of every layer, so that all the libraries below are linked.
   const auto untrained = trivet::train_model({}, {"empty", "empty.ply", 1, {}}, {});
   const auto missing = trivet::open_library("missing.h5");
   if (!(step > 0) || !good || bad || untrained || missing) return 1;

@@ -1,5 +1,5 @@
-/// Preloaded into a program: puts it into the locale that OTHER_LOCALE names, as a process that shows
-/// windows would be. One that is not there ends it.
+/// Preloaded into a program: sets the locale OTHER_LOCALE, as a GUI process would. A missing locale
+/// ends the program.
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>

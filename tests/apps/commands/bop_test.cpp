@@ -1,4 +1,4 @@
-/// A BOP data set in, BOP results out.
+/// Recognition from a BOP data set to a BOP results file.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A data set of two parts and two images, in which one and both of them stand. Ids begin with 0,
-/// as in some data sets of 2024.
+/// A data set of two parts and two images, with one part in the first and both in the second. Ids
+/// begin with 0, as in some data sets of 2024.
 class Bop : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -70,7 +70,7 @@ class Bop : public testing::Test {
     return i == 0 ? test::pose_of({2.1F, 0.7F, -0.4F}, {-0.12F, 0.03F, 0.85F})
                   : test::pose_of({0.5F, -1.1F, 0.3F}, {0.12F, -0.02F, 0.8F});
   }
-  /// In tenths of a millimeter.
+  /// Writes depths in tenths of a millimeter.
   static void write_depth(const fs::path& file, const Cloud& cloud) {
     std::vector<std::uint16_t> depths;
     for (const std::int32_t point : cloud.grid->point_index) {
@@ -118,7 +118,7 @@ TEST_F(Bop, WritesResultsThatTheBenchmarkTakes) {
       EXPECT_EQ(found->scene_id, 1);
       EXPECT_GT(found->score, 0.5);
       EXPECT_GT(found->seconds, 0);
-      // A hundredth of the part's 200 mm, or of a radian.
+      // The tolerance is a hundredth of the part's 200 mm, or of a radian.
       const Pose& truth = instance.T_camera_model;
       EXPECT_LT((found->t_mm - truth.translation().cast<double>()).norm(), 2);
       EXPECT_LT((found->R - truth.linear().cast<double>()).cwiseAbs().maxCoeff(), 0.02);
@@ -164,7 +164,8 @@ TEST_F(Bop, WritesMasksOfWhatWasFound) {
     EXPECT_EQ(mask["image_id"], (*poses)[i].image_id);
     EXPECT_EQ(mask["category_id"], (*poses)[i].object_id);
     EXPECT_EQ(mask["score"], (*poses)[i].score);
-    // Each stands free: its box is about its mask, and the pixel of its middle is on it or near.
+    // Each part is unoccluded: its bounding box encloses its mask, and its center projects onto the
+    // mask or near it.
     std::size_t pixels = 0, sum = 0;
     const auto& counts = mask["segmentation"]["counts"];
     for (std::size_t k = 0; k < counts.size(); ++k) {

@@ -1,4 +1,5 @@
-/// `trivet calibrate` on marked detections and on scans of known truth, and what its file changes.
+/// `trivet calibrate` on marked detections and on scans with ground truth, and the effects of its
+/// file.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,8 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Detections as `trivet recognize --json` tells them, marked as a cell would have it in which the
-/// default score is too sure.
+/// Detections in the format of `trivet recognize --json`, marked like those of a cell in which the
+/// default score is too confident.
 Json marked_result(std::size_t num_scans) {
   test::Random random;
   const kernels::ScoreModel& model = default_score();
@@ -46,7 +47,7 @@ Json marked_result(std::size_t num_scans) {
                             {"parts", parts},
                             {"right", random.uniform(0, 1) < odds / (1 + odds)}});
     }
-    detections.push_back({{"model", "bracket"}, {"score", 0.1}});  // not marked: counts neither way
+    detections.push_back({{"model", "bracket"}, {"score", 0.1}});  // not marked: ignored
     scenes.push_back({{"scene", "scan_" + std::to_string(s)}, {"detections", detections}});
   }
   return {{"scenes", scenes}};
@@ -91,7 +92,7 @@ TEST_F(CalibrateCommand, TellsWhatMarkedDetectionsChange) {
   EXPECT_EQ(read->num_scans, 5U);
   EXPECT_EQ(read->num_right + read->num_wrong, 200U);
   EXPECT_LT(read->adaptation.shift, 0);
-  // The same bytes again.
+  // The output has the same bytes again.
   const std::string bytes = test::read_bytes(folder_ / "cell.json");
   ASSERT_EQ(run({"calibrate", "--marked", "found.json", "-o", "cell.json"}).exit_code, 0);
   EXPECT_EQ(test::read_bytes(folder_ / "cell.json"), bytes);

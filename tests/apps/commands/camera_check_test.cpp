@@ -12,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Two depth images, with the focal length written right and 4 % too large.
+/// Two depth images, with the correct focal length and with one 4 % too large.
 class CameraCheckCommand : public testing::Test {
  protected:
   static void SetUpTestSuite() {

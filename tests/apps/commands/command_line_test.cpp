@@ -1,4 +1,4 @@
-/// What a person or a script sees when something is wrong, or asks for help.
+/// The output for a person or script when an error occurs or help is requested.
 #include <gtest/gtest.h>
 
 #include "apps/program.hpp"
@@ -12,7 +12,8 @@ class CommandLine : public testing::Test {
   test::Outcome run(const std::vector<std::string>& arguments) const {
     return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
   }
-  /// Whether it ends with this code, says `text` on standard error and nothing on standard output.
+  /// Whether it exits with this code, writes `text` to standard error and nothing to standard
+  /// output.
   testing::AssertionResult fails(const std::vector<std::string>& arguments, int code,
                                  const std::string& text) const {
     const test::Outcome outcome = run(arguments);
@@ -68,7 +69,7 @@ TEST_F(CommandLine, NamesOptionsInTheOrderInWhichOneNeedsThem) {
     EXPECT_GT(found, at) << text;
     at = found;
   }
-  // A heading begins a line and ends it.
+  // A heading occupies a whole line.
   for (std::size_t i = help.find(":\n", at); i != std::string::npos; i = help.find(":\n", i + 1)) {
     const std::size_t line = help.rfind('\n', i) + 1;
     if (help[line] != ' ') {
@@ -138,7 +139,8 @@ TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
   folder_.write("models/b.off", "");
   folder_.write("models/p.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n1 one 0\n3 0 1 2\n");
   folder_.write("models/z.off", "OFF\n3 1 0\n0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n");
-  // With features all are sampled for the basis first, by the method ppf each is trained in turn.
+  // With features, all models are sampled first for the basis; with the method ppf, each is trained
+  // in turn.
   for (const std::string methods : {"ppf", "ppf,trisi"}) {
     const test::Outcome outcome =
         run({"train", "models", "-o", "l.h5", "--preset", "fast", "--methods", methods});
@@ -154,7 +156,7 @@ TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
   folder_.write("models/z.off", box);
   EXPECT_TRUE(fails({"train", "models", "-o", "l.h5", "--preset", "fast"}, 65,
                     "error: models/b.off: the file is empty"))
-      << "one alone is told as it is";
+      << "a single one is reported unchanged";
 }
 
 TEST_F(CommandLine, SaysWhatToGiveInsteadOfAFolderOrAnImage) {

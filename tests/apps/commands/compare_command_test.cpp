@@ -1,4 +1,4 @@
-/// What `trivet compare` makes of two results.
+/// `trivet compare` on two results.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -34,7 +34,8 @@ class CompareCommand : public testing::Test {
   void write(const char* name, const std::vector<Json>& scenes) const {
     folder_.write(name, Json{{"scenes", scenes}}.dump());
   }
-  /// An evaluation of scenes of five truths each: which were found, and how many false ones.
+  /// Writes an evaluation of scenes with five truths each: which were found, and the number of
+  /// false detections.
   void write_evaluation(const char* name, const std::vector<std::vector<int>>& found,
                         const std::vector<int>& num_false) const {
     Json scenes = Json::array();
@@ -55,7 +56,7 @@ class CompareCommand : public testing::Test {
         detections.push_back(
             {{"model", "nut"}, {"score", 0.85}, {"reported", true}, {"verdict", "wrong"}});
       }
-      // What did not reach the threshold counts for nothing.
+      // A detection below the threshold is ignored.
       detections.push_back(
           {{"model", "nut"}, {"score", 0.1}, {"reported", false}, {"verdict", "wrong"}});
       scenes.push_back({{"scene", "scan" + std::to_string(s)},
@@ -133,7 +134,7 @@ TEST_F(CompareCommand, KnowsSizesAndSymmetriesByTheLibrary) {
   EXPECT_EQ(both_found(half_turn, {"--library", "l.h5"}), 1);
   EXPECT_EQ(both_found(quarter_turn, {"--library", "l.h5"}), 0);
   EXPECT_EQ(both_found(half_turn, {"--max-translation", "1"}), 0);
-  // Of scenes in millimeters the same poses are a thousandth apart.
+  // In scenes in millimeters the same poses are a thousandth apart.
   const Pose shifted(Eigen::Translation3f(0.05F, 0, 0));
   EXPECT_EQ(both_found(shifted, {"--library", "l.h5"}), 0);
   EXPECT_EQ(both_found(shifted, {"--library", "l.h5", "--unit", "mm"}), 1);
@@ -150,7 +151,7 @@ TEST_F(CompareCommand, TestsWithTruthWhetherADifferenceIsMoreThanChance) {
   EXPECT_EQ(told["total"]["false_a"], 1);
   EXPECT_EQ(told["total"]["false_b"], 2);
   EXPECT_NEAR(told["paired"]["difference"].get<double>(), 4.0 / 15, 1e-12);
-  // Of six fair coins at most one on a side, either side.
+  // The chance that of six fair coins at most one falls on a side, for either side.
   EXPECT_NEAR(told["paired"]["p"].get<double>(), 2 * (1 + 6) / 64.0, 1e-12);
   EXPECT_LE(told["paired"]["difference_95_low"], told["paired"]["difference"]);
   EXPECT_EQ(told["scenes"][2]["only_b"][0]["truth"], 3);

@@ -1,4 +1,4 @@
-/// What `trivet evaluate` makes of stored detections: sums, tables, files and warnings.
+/// `trivet evaluate` on stored detections: sums, tables, files and warnings.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -12,7 +12,7 @@
 namespace trivet {
 namespace {
 
-/// A scan of a bracket that is found, and a lever that is not.
+/// A scan with a bracket, which is found, and a lever, which is not.
 class EvaluateCommand : public testing::Test {
  protected:
   EvaluateCommand() {
@@ -28,7 +28,8 @@ class EvaluateCommand : public testing::Test {
                       "scenes": [{"file": "scan.ply", "camera": null, "viewpoint": [0, 0, 0],
                       "truth": [)" +
                       truth("bracket", at, 0.25) + ", " + truth("lever", beside, 0.75) + "]}]}");
-    // Only what every program can tell; the second one is far off, the third has a strange name.
+    // Only fields that every program can provide. The second detection is far off, the third has an
+    // unknown name.
     folder_.write("found.json", R"({"scenes": [{"scene": "scan.ply", "detections": [)" +
                                     detection("bracket", 0.9, at) + ", " +
                                     detection("lever", 0.4, at) + ", " +
@@ -85,7 +86,7 @@ TEST_F(EvaluateCommand, NeedsNoLibraryToScoreStoredDetections) {
   EXPECT_EQ(scores["by_occlusion"]["70-80%"]["right"], 0);
   EXPECT_EQ(scores["precision_recall"]["score"].size(), 2U);
   EXPECT_EQ(scores["calibration"]["bins"].size(), 10U);
-  EXPECT_TRUE(scores["median_seconds"].empty()) << "no times were told";
+  EXPECT_TRUE(scores["median_seconds"].empty()) << "no times were given";
   EXPECT_NE(outcome.error.find("gear"), std::string::npos) << "a name that the manifest lacks";
 }
 
@@ -137,7 +138,7 @@ TEST_F(EvaluateCommand, WritesTablesForSpreadsheets) {
   EXPECT_EQ(instances[2], "scan.ply,1,lever,1,0.75,,,0,,,,");
   const auto detections = lines("tables/detections.csv");
   ASSERT_EQ(detections.size(), 4U);
-  EXPECT_EQ(detections[1].substr(detections[1].size() - 4), ",,,,") << "score parts are not told";
+  EXPECT_EQ(detections[1].substr(detections[1].size() - 4), ",,,,") << "score parts are not given";
   EXPECT_NE(detections[2].find(",1,wrong,1,"), std::string::npos) << detections[2];
   EXPECT_EQ(detections[3].substr(0, 24), "scan.ply,2,\"gear, \"\"G\"\"\"");
   const auto summary = lines("tables/summary.csv");

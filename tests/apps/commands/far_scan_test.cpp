@@ -1,5 +1,4 @@
-/// A scan whose coordinates are those of a map: whatever enters or leaves the program speaks of its
-/// own frame.
+/// A scan with map coordinates: all input and output of the program is in the scan's frame.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -16,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Where the camera stands on the map [m].
+/// The camera's position on the map [m].
 const Vector3d kCamera{512345.678, 5403210.987, 431.5};
 const std::string kViewpoint = "512345.678,5403210.987,431.5";
 

@@ -1,4 +1,4 @@
-/// Manual pages and completions, tried as their readers would.
+/// Manual pages and completions, tested as their readers use them.
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +26,7 @@ class Help : public testing::Test {
     ASSERT_EQ(page.exit_code, 0) << page.error;
     folder_.write(name + ".1", page.out);
   }
-  /// What bash offers for the last of these words, a line each.
+  /// The completions that bash offers for the last of these words, one per line.
   std::string offered(const std::string& words) const {
     const test::Outcome outcome = shell("source <(" TRIVET_PROGRAM
                                         " --completion bash); "
@@ -67,7 +67,7 @@ TEST_F(Help, WritesPagesWithoutFaults) {
   }
 }
 
-// Pages have no date, as nothing that the program writes.
+// Pages have no date, like all other output of the program.
 TEST_F(Help, WritesPagesThatMandocFindsNoFaultWith) {
   if (shell("command -v mandoc").exit_code != 0) GTEST_SKIP() << "needs mandoc";
   for (const std::string& name : kPages) {
@@ -126,7 +126,7 @@ TEST_F(Help, IsTakenByZsh) {
   EXPECT_EQ(outcome.out, "_trivet\n");
 }
 
-// An option without a description or a value that shells could take for syntax is still one.
+// Shell metacharacters in a description or a value stay part of that text.
 TEST_F(Help, QuotesWhatShellsWouldTakeForSyntax) {
   CLI::App app{"It's $(odd)"};
   std::string value;

@@ -1,5 +1,5 @@
-/// Training that is killed, stopped, or finds the disk full, at any moment: the library is as it was
-/// or as it is going to be, and the same command goes on.
+/// Training is killed, stopped, or finds the disk full at any moment. The library then has its old
+/// or its final content, and the same command resumes.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// A library of three models, to which training adds three more and a change; or all of it from nothing,
+/// A library of three models, to which training adds three more and a change; or a new library,
 /// which is written ahead.
 class InterruptedTraining : public testing::Test {
  protected:
@@ -59,7 +59,7 @@ class InterruptedTraining : public testing::Test {
     return train(all, environment, watch);
   }
   static std::string bytes() { return test::read_bytes(*folder_ / "library.h5"); }
-  /// The library as it was before, or none, and nothing beside it.
+  /// Restores the earlier library, or none, with nothing beside it.
   static void reset(bool from_nothing = false) {
     fs::remove_all(*folder_ / "library.h5.parts");
     if (from_nothing) {
@@ -94,7 +94,7 @@ TEST_F(InterruptedTraining, GoesOnAfterBeingKilledAtAnyMoment) {
   constexpr int kKills = 20;
   std::mt19937 random(1);
   for (int k = 0; k < kKills; ++k) {
-    if (k % 2 == 0) reset(k % 4 == 0);  // else what was killed is killed again
+    if (k % 2 == 0) reset(k % 4 == 0);  // otherwise a resumed run is killed again
     const double at = std::uniform_real_distribution<>(0, seconds_)(random);
     const auto start = Clock::now();
     train_all({}, [&](pid_t program, const std::string&) {
@@ -133,7 +133,7 @@ TEST_F(InterruptedTraining, GoesOnWhenAFullDiskIsNotFullAnyMore) {
     constexpr int kPlaces = 10;
     for (int k = 0; k < kPlaces; ++k) {
       reset(from_nothing);
-      // The last calls are those that count most: all of them in turn.
+      // The last calls are the most critical, so all of them are tested.
       const long from =
           k < kPlaces / 2 ? 1 + num_calls * k / (kPlaces / 2) : num_calls - (kPlaces - 1 - k);
       const test::Outcome failed = train_all({preload, "FAIL_FROM=" + std::to_string(from)});

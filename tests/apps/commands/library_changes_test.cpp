@@ -1,4 +1,4 @@
-/// What `trivet library` changes, by the command line.
+/// Changes that `trivet library` makes from the command line.
 #include <gtest/gtest.h>
 
 #include "apps/program.hpp"
@@ -24,7 +24,7 @@ class LibraryChanges : public testing::Test {
   static test::Outcome run(const std::vector<std::string>& arguments) {
     return test::run_trivet(arguments, {.folder = folder_->path(), .environment = {}, .watch = {}});
   }
-  /// Returns what it writes to standard output.
+  /// Returns its standard output.
   static std::string does(const std::vector<std::string>& arguments) {
     const test::Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << testing::PrintToString(arguments) << outcome.error;
@@ -71,8 +71,8 @@ TEST_F(LibraryChanges, MergeWhatWasTakenApart) {
 }
 
 TEST_F(LibraryChanges, ExportWhatTrainsToTheSame) {
-  // Of these shapes some triangles have no area, which training leaves out: so the first surfaces are
-  // not the files that were trained, but all that follow are.
+  // Training drops triangles without area, which some of these shapes have. The first exported
+  // surfaces thus differ from the trained files, but all later ones are equal.
   const auto export_and_train = [](const std::string& from, const std::string& surfaces,
                                    const std::string& to) {
     for (const std::string name : {"bracket", "lever"})

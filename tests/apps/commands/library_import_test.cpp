@@ -1,4 +1,4 @@
-/// Libraries that HDF5's own tools have rewritten.
+/// Libraries rewritten by HDF5's command-line tools.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -46,7 +46,7 @@ class LibraryImport : public testing::Test {
   static inline std::unique_ptr<test::TempDir> folder_;
 };
 
-// Filters need chunks, which an empty dataset cannot have: -m spares it.
+// Filters need chunks, which an empty dataset cannot have; -m skips such datasets.
 TEST_F(LibraryImport, GivesTheBytesThatWereRepacked) {
   for (const std::vector<std::string>& options :
        {std::vector<std::string>{},
@@ -79,7 +79,7 @@ TEST_F(LibraryImport, RefusesWhatIsDamagedAndSaysWhere) {
   folder_->write("repacked.h5", whole.substr(0, whole.size() / 2));
   EXPECT_EQ(import_repacked().exit_code, 65);
 
-  repack({});  // nothing of HDF5 notices a change of contiguous data
+  repack({});  // HDF5 does not detect a change of contiguous data
   std::string changed = bytes("repacked.h5");
   const std::size_t middle = changed.size() / 2;
   changed[middle] = static_cast<char>(changed[middle] ^ 1);
@@ -90,12 +90,12 @@ TEST_F(LibraryImport, RefusesWhatIsDamagedAndSaysWhere) {
   EXPECT_FALSE(std::filesystem::exists(*folder_ / "imported.h5"));
 }
 
-// Structures of the old kind have no checksums, and HDF5 that believes them may end the process.
+// Old structures have no checksums, and HDF5 may end the process when it trusts them.
 TEST(InChild, TellsWhatBecameOfTheWork) {
   const Error broken{ErrorCode::bad_data, "broken"};
   EXPECT_TRUE(apps::in_child([] { return Result<void>(); }, broken));
 
-  const std::string message(100'000, 'x');  // more than a pipe holds
+  const std::string message(100'000, 'x');  // exceeds the capacity of a pipe
   const Result<void> failed = apps::in_child(
       [&]() -> Result<void> {
         return Error{ErrorCode::cannot_create, message};
@@ -116,10 +116,10 @@ TEST(InChild, TellsWhatBecameOfTheWork) {
   EXPECT_EQ(ended.error().message, "broken");
 }
 
-// The root's attributes say what the file is, and h5copy leaves them behind.
+// The root's attributes identify the file format, and h5copy omits them.
 TEST_F(LibraryImport, RefusesACopyWithoutTheRoot) {
   if (std::string(TRIVET_H5COPY).empty()) GTEST_SKIP() << "needs h5copy";
-  std::filesystem::remove(*folder_ / "repacked.h5");  // it adds to what is there
+  std::filesystem::remove(*folder_ / "repacked.h5");  // it appends to an existing file
   const test::Outcome copied = test::run_program(
       TRIVET_H5COPY, {"-i", "library.h5", "-o", "repacked.h5", "-s", "/models", "-d", "/all"},
       here());

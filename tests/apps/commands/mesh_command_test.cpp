@@ -1,4 +1,4 @@
-/// Make a mesh of a scan as a script does.
+/// Makes meshes of scans from the command line, as a script does.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +37,7 @@ class MeshCommand : public testing::Test {
     EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
     EXPECT_FALSE(std::filesystem::exists(folder_ / "out.ply"));
   }
-  /// A square of 10 x 10 points, one a line.
+  /// A square of 10 x 10 points, one per line.
   void write_square(const std::string& name, const std::string& normal = {}) const {
     std::string text;
     for (int i = 0; i < 100; ++i) {
@@ -63,7 +63,7 @@ TEST_F(MeshCommand, TellsSharesAsWholeNumbersWhereTheyAreLarge) {
 }
 
 TEST_F(MeshCommand, SpansTheSquaresOfADepthImage) {
-  // A plane with a step of its right half and one pixel missing.
+  // A plane whose right half has another depth, with one missing pixel.
   std::vector<std::uint16_t> depths;
   for (int i = 0; i < 20 * 10; ++i) depths.push_back(i % 20 < 10 ? 1000 : 1500);
   depths[3 * 20 + 4] = 0;

@@ -1,4 +1,5 @@
-/// trivet-mpi with several ranks on this machine: the bytes of one process, and an end when one dies.
+/// trivet-mpi with several ranks on this machine gives the same bytes as one process, and ends when
+/// a rank dies.
 #include <gtest/gtest.h>
 #include <signal.h>
 

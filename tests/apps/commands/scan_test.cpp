@@ -1,4 +1,4 @@
-/// Scan as a script does: what the folder holds, in both of its forms.
+/// `trivet scan` as used by a script: the contents of the folder, in both of its forms.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -58,7 +58,7 @@ TEST_F(Scan, MakesThingsOfAHousehold) {
   for (const char* name : {"cup_0", "carton_0"}) EXPECT_TRUE(models.contains(name)) << name;
 }
 
-// Every scene has a camera of its own, the same in the manifest and in BOP's files, and the same
+// Every scene has a different camera, the same in the manifest and in BOP's files, and the same
 // when it is scanned again.
 TEST_F(Scan, RandomizesEachScene) {
   const auto scan = [&](const std::string& folder, const std::string& scenes) {
@@ -117,7 +117,8 @@ TEST_F(Scan, TellsOneTruthInTheManifestAndInBopsFiles) {
         EXPECT_NEAR(pose["cam_t_m2c"][axis].get<double>(),
                     1000 * truth["T_scene_model"][axis][3].get<double>(), 1e-3);
       }
-      // Exact here; there what nothing measured stands before, and 15 mm behind it, are visible too.
+      // The fraction here is exact. BOP's also counts pixels without measurements in front and
+      // those up to 15 mm behind the measured surface as visible.
       EXPECT_GE(info[image][k]["visib_fract"].get<double>() + 0.01,
                 truth["visible_fraction"].get<double>());
       EXPECT_LE(info[image][k]["visib_fract"].get<double>(), 1);

@@ -1,4 +1,4 @@
-/// What is written to standard output arrives there, or the command fails and says why.
+/// Output written to standard output arrives there, or the command fails with the reason.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -79,7 +79,7 @@ TEST_F(StandardOutput, IsAnErrorOfInputAndOutputWhereItCannotBeWritten) {
   }
 }
 
-// There is nothing to tell it to.
+// There is nowhere to report the error.
 TEST_F(StandardOutput, IsWrittenEvenWhereStandardErrorCannotBe) {
   const test::Outcome outcome =
       shell(std::string(TRIVET_PROGRAM) + " recognize library.h5 scan.ply 2> /dev/full");
@@ -154,13 +154,13 @@ TEST_F(StandardOutput, TellsProgramsOfProgress) {
   for (std::string text; std::getline(told, text);) {
     if (!text.starts_with("warning: ")) stages.push_back(nlohmann::json::parse(text).at("stage"));
   }
-  // All of a new library's models are written when the last one is trained.
+  // All models of a new library are written when the last one has been trained.
   EXPECT_EQ(stages, (std::vector<std::string>{"read", "trained", "trained", "wrote"}))
       << trained.error;
   EXPECT_EQ(run("library list library.h5 --progress xml").exit_code, 2);
 }
 
-// Whoever sets NO_COLOR sees none, and so does everybody else.
+// There are no colors, with or without NO_COLOR.
 TEST_F(StandardOutput, HasNoColors) {
   const std::string command = std::string(TRIVET_PROGRAM) + " recognize library.h5 scan.ply";
   const test::Outcome outcome = shell("script -qec '" + command + "' typescript < /dev/null");

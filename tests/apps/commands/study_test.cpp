@@ -1,4 +1,4 @@
-/// Studies as a person runs them: resumed, repeated, and with faults in the configuration.
+/// Studies as run by a person: resumed, repeated, and with faults in the configuration.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -89,7 +89,7 @@ class Study : public testing::Test {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
   }
-  /// study.toml with kConfig, and in run_a what comes of it: computed once for all tests.
+  /// Runs study.toml with kConfig to run_a, once for all tests.
   void take_whole_run() const {
     static const test::TempDir folder;
     static const test::Outcome whole = [] {
@@ -104,16 +104,16 @@ class Study : public testing::Test {
     std::ifstream file(folder_ / name);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// The rows of results.csv without their last field, which is a time.
+  /// The rows of results.csv without their last field, a time.
   std::string results(const std::string& name) const {
     return std::regex_replace(read(name + "/results.csv"), std::regex(",[^,\n]*\n"), "\n");
   }
-  /// The page without times and memory, and without what is drawn by times.
+  /// The page without times and memory, and without drawings of times.
   std::string page(const std::string& name) const {
     std::string text = read(name + "/index.html");
     text = std::regex_replace(text, std::regex(R"([0-9.]+ s\b)"), "TIME");
     text = std::regex_replace(text, std::regex(R"([0-9]+ MB\b)"), "MEMORY");
-    // A chart of times stands second in its panel.
+    // The second chart in a panel shows times.
     std::string out;
     for (std::size_t at = 0;;) {
       const std::size_t chart = text.find("aria-label=\"time of a scene on one core", at);
@@ -141,7 +141,7 @@ class Study : public testing::Test {
 TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
   ASSERT_NO_FATAL_FAILURE(take_whole_run());
 
-  // Whole cells: a kill may leave a part of one beside them.
+  // Counts complete cells: a kill may leave a partial one beside them.
   const auto cells = [&] {
     std::map<fs::path, fs::file_time_type> times;
     std::error_code error;
@@ -150,7 +150,7 @@ TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
     }
     return times;
   };
-  // Kill it once some are there, twice.
+  // Kills the run twice, each time after some cells exist.
   for (const std::size_t enough : {4U, 9U}) {
     const test::Outcome killed = run({"study", "study.toml", "-o", "run_b", "--threads", "1"},
                                      [&](pid_t process, const std::string&) {
@@ -173,7 +173,8 @@ TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
 TEST_F(Study, ComputesNothingTwice) {
   ASSERT_NO_FATAL_FAILURE(take_whole_run());
   const std::string first = read("run_a/index.html");
-  // Of 8 points on 2 scenes, the default of ppf stands in four, that of trisi is apart from noise.
+  // Of 8 points on 2 scenes, four contain the default of ppf; that of trisi is not among the noise
+  // points.
   std::size_t num_cells = 0;
   for (const auto& entry : fs::directory_iterator(folder_ / "run_a/cells"))
     num_cells += entry.path().extension() == ".json" ? 1 : 0;
@@ -203,7 +204,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   EXPECT_LT(number(clean, kLow), number(clean, kShare));
   EXPECT_LE(number(clean, kShare), number(clean, kHigh));
   EXPECT_NEAR(number(noisy, kChange), number(noisy, kShare) - number(clean, kShare), 1e-6);
-  // One cell counts alike wherever it stands.
+  // A cell has the same result in every experiment.
   const std::string usual = "rotation,Piles,ppf,rotation threshold of clustering [°],15,";
   const std::string all = "occlusion,Piles,ppf,occlusion,all,";
   EXPECT_EQ(number(usual, kFound), number(all, kFound));
@@ -226,7 +227,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   EXPECT_EQ(page.find("<and>"), std::string::npos) << "the title goes in as text";
   EXPECT_NE(page.find("Two parts &lt;and&gt; noise"), std::string::npos);
   EXPECT_NE(page.find("data:image/png;base64,"), std::string::npos);
-  // One sentence for each experiment, of the table's numbers.
+  // One sentence for each experiment, with the table's numbers.
   const auto share = [&](const std::string& row) {
     return fmt::format("{:.1f} %", 100 * number(row, kShare));
   };
@@ -237,7 +238,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
             std::string::npos);
   EXPECT_NE(page.find("ppf finds " + share(usual) + " at the default, 15; "), std::string::npos);
   EXPECT_NE(page.find("from without rays to all, F1 goes from "), std::string::npos);
-  // Tags close in the order in which they open.
+  // Tags are balanced.
   for (const char* const tag : {"div", "section", "table", "svg", "figure", "ul", "g"}) {
     const std::string open = std::string("<") + tag, close = std::string("</") + tag + ">";
     const auto count = [&](const std::regex& pattern) {

@@ -1,4 +1,4 @@
-/// What names on the command line stand for: folders, names of models and units.
+/// Names on the command line: folders, model names and units.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -28,7 +28,7 @@ class TrainInputs : public testing::Test {
   test::Outcome run(const std::vector<std::string>& arguments) const {
     return test::run_trivet(arguments, {.folder = folder_.path(), .environment = {}, .watch = {}});
   }
-  /// Trains coarsely, for speed. Returns what it writes to standard error.
+  /// Trains coarsely, for speed. Returns its standard error.
   std::string train(std::vector<std::string> arguments, int exit_code = 0) const {
     arguments.insert(arguments.begin(),
                      {"train", "-o", "l.h5", "--preset", "fast", "--methods", "ppf"});
@@ -103,7 +103,7 @@ TEST_F(TrainInputs, KeepTheUnitOfTheLibrary) {
   EXPECT_EQ(unit(), "m");
 }
 
-/// A library of one part, and scenes of it of which not all can be read.
+/// A library of one part, and scenes with it, some of which cannot be read.
 class FailedScenes : public TrainInputs {
  protected:
   FailedScenes() {

@@ -1,4 +1,5 @@
-/// Train and recognize as a script does: what the files hold, and that nothing around changes them.
+/// `trivet train` and `trivet recognize` as used by a script: the contents of their files, which do
+/// not depend on the environment.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -45,7 +46,7 @@ class TrainRecognize : public testing::Test {
   static Pose truth() { return test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F}); }
   static std::string bytes(const std::string& name) { return test::read_bytes(*folder_ / name); }
 
-  /// The result of recognition without what differs between runs: times.
+  /// The result of recognition without its times, which differ between runs.
   static nlohmann::json detections(const std::string& text) {
     nlohmann::json document = nlohmann::json::parse(text);
     for (nlohmann::json& scene : document["scenes"]) scene.erase("seconds");
@@ -129,7 +130,7 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   for (int row = 0; row < 4; ++row) {
     ASSERT_EQ(found["T_scene_model"][row].size(), 4U);
     for (int column = 0; column < 4; ++column) {
-      // A hundredth of the part's 0.2 m, or of a radian.
+      // The tolerance is a hundredth of the part's 0.2 m, or of a radian.
       const float tolerance = column == 3 ? 0.002F : 0.02F;
       EXPECT_NEAR(found["T_scene_model"][row][column], expected(row, column), tolerance)
           << row << ", " << column;
@@ -137,7 +138,7 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   }
 }
 
-// Lengths are in the file's unit; but for `noise` of the scene, which is in the library's.
+// Lengths are in the file's unit, except for `noise` of the scene, which is in the library's.
 TEST_F(TrainRecognize, TellsHowTheScanErrs) {
   constexpr float kNoise = 5e-4F;
   Cloud scan = test::render_scan({{&bracket_, truth()}});
@@ -171,7 +172,7 @@ TEST_F(TrainRecognize, TellsHowTheScanErrs) {
 
 TEST_F(TrainRecognize, TellsNoSensorOfAClosedSurface) {
   test::Shape whole = bracket_.moved(truth());
-  // Faces are closed where they share their corners.
+  // Faces form a closed surface if they share their corners.
   for (auto* const corners : {&whole.triangles.a, &whole.triangles.b, &whole.triangles.c}) {
     for (std::uint32_t& corner : *corners) {
       std::uint32_t first = 0;
@@ -204,7 +205,7 @@ TEST_F(TrainRecognize, PrintsNothingButJsonToStandardOutput) {
   EXPECT_EQ(detections(quiet.out), detections(outcome.out));
 }
 
-/// A page that a browser shows without any other file or the network.
+/// Expects a page that a browser shows without any other file or the network.
 void expect_stands_alone(const std::string& page) {
   for (const char* text : {"http:", "https:", "<script", "src=\"pictures", "@import", "url("})
     EXPECT_EQ(page.find(text), std::string::npos) << text;
@@ -212,8 +213,7 @@ void expect_stands_alone(const std::string& page) {
 }
 
 TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
-  // Another scene of a name that HTML must not take for a tag, of an angle that is like a
-  // bracket's.
+  // Another scene, whose name contains an angle bracket that HTML must not parse as a tag.
   const test::Shape wall = test::box({-1, -1, 1.2F}, {1, 1, 1.3F});
   test::Shape angle = test::box({0, 0, 0}, {0.1F, 0.05F, 0.01F});
   angle.join(test::box({0, 0, 0}, {0.01F, 0.05F, 0.06F}));
@@ -232,7 +232,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
     EXPECT_NE(page.find(text), std::string::npos) << text;
   }
   EXPECT_EQ(page.find("<b>&\"c"), std::string::npos);
-  // A view is one picture, of which the reader picks a layer; each listed pose has its label.
+  // A view is one picture with layers that the reader selects; each listed pose has its label.
   const auto count = [&](const std::string& text) {
     std::size_t n = 0;
     for (auto at = page.find(text); at != std::string::npos; at = page.find(text, at + 1)) ++n;
@@ -248,7 +248,7 @@ TEST_F(TrainRecognize, ReportsWhatWasFoundAndWhatWasRejected) {
   }
 }
 
-// Beside scattered points: a closed mesh, too few points to be drawn, and a depth image.
+// Besides scattered points: a closed mesh, a scan with too few points to draw, and a depth image.
 TEST_F(TrainRecognize, ReportsScenesOfEveryKind) {
   write("moved.ply", test::cloud_of(bracket_.moved(truth())));
   Cloud few;
@@ -364,12 +364,12 @@ TEST_F(TrainRecognize, IsTheSameWhereTheDecimalSignIsAComma) {
   const std::string place = folder_->path().string();
   const std::string make =
       "cd " + place + " && localedef -c -i ./comma -f ./ascii ./xx_XX >localedef.log 2>&1";
-  // It also fails for want of categories that do not matter here.
+  // The tool also fails because of missing categories that do not matter here.
   [[maybe_unused]] const int ignored = std::system(make.c_str());
   if (!std::filesystem::exists(*folder_ / "xx_XX/LC_NUMERIC"))
     GTEST_SKIP() << "localedef made no locale";
 
-  // glibc's setlocale loses the words that it makes of LOCPATH, which is no leak of ours.
+  // glibc's setlocale leaks the strings that it derives from LOCPATH; the leak is not in Trivet.
   const std::vector<std::string> environment{"LOCPATH=" + place, "LC_ALL=xx_XX",
                                              "LSAN_OPTIONS=detect_leaks=0"};
   folder_->write(
@@ -422,7 +422,7 @@ TEST_F(TrainRecognize, TellsProgramsWhatALibraryHolds) {
   const nlohmann::json& bracket = info["models"][0];
   EXPECT_EQ(bracket.at("name"), "bracket");
   EXPECT_EQ(bracket.at("source"), "bracket.ply");
-  // Without those that only triangles without area use.
+  // Without the vertices that only triangles without area use.
   const auto cloud = read_cloud(*folder_ / "bracket.ply", {.keep_origin = true});
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(bracket.at("vertices"), cloud->points.size());

@@ -1,6 +1,6 @@
-/// Preloaded into a program: its writes to regular files, and its fsyncs, are counted, and fail from
-/// the one on that FAIL_FROM names (1 is the first), as on a full disk. The number is written to the
-/// file that COUNT_TO names when the program ends.
+/// Preloaded into a program: counts its writes to regular files and its fsyncs, and makes them fail
+/// from number FAIL_FROM on (1 is the first), as on a full disk. The count is written to the file
+/// COUNT_TO when the program ends.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -15,7 +15,7 @@ namespace {
 
 std::atomic<long> num_calls{0};
 
-/// Whether this call is to fail.
+/// Whether this call must fail.
 bool fails(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return false;

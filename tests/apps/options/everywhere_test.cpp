@@ -1,4 +1,4 @@
-// An option is declared once: what changes it, and who tells of it, follow from that.
+// An option is declared once; its parsing and its documentation follow from that.
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
@@ -24,7 +24,7 @@ OptionValue changed(const Option<Options>& option) {
   return test::changed_value(option.info, option.get({}));
 }
 
-/// --NAME=VALUE of every option of the command line, changed.
+/// --NAME=VALUE with a changed value, for every option of the command line.
 template <class Options>
 std::vector<std::string> changed_arguments() {
   std::vector<std::string> arguments;

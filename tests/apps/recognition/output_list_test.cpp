@@ -1,4 +1,4 @@
-// Outputs that are filled together.
+// Several outputs that are filled together.
 #include "apps/recognition/output_list.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace trivet::apps {
 namespace {
 
-/// Writes down what is asked of it, and fails as it is told to.
+/// Records its calls, and fails on request.
 class NotingOutput : public Output {
  public:
   NotingOutput(std::string name, std::vector<std::string>& notes, bool adds, bool finishes)

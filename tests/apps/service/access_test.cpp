@@ -1,4 +1,4 @@
-// Who may ask a service for what.
+// Access control of the service.
 #include "apps/service/http/access.hpp"
 
 #include <fmt/format.h>
@@ -33,13 +33,13 @@ HttpRequest head_of(const std::string& method, const std::string& target, Header
   return head;
 }
 
-/// The word for why it is refused; empty: it is not.
+/// The reason for refusing a request; empty: it is accepted.
 std::string fault_of(const Access& access, const HttpRequest& head, bool is_free = false) {
   const auto refusal = access.refuse(head, is_free);
   return refusal ? std::string(name_of(refusal->fault)) : "";
 }
 
-/// An answer to what a test sends as it is, with its own Host.
+/// The response to a raw request that includes a Host header.
 Answer send(int port, const std::string& head) {
   const test::Connection connection(port);
   connection.send(head + "\r\nConnection: close\r\n\r\n");
@@ -116,7 +116,7 @@ TEST(Access, LetsOnlyItsOwnPageChangeAndRecognize) {
   EXPECT_EQ(fault("POST", {{"host", "cell.example:443"}, {"origin", "http://cell.example"}, page}),
             "origin");
   EXPECT_EQ(fault("POST", {{"origin", "http://localhost"}, page}), "origin") << "of no host";
-  // What comes back cannot be read elsewhere, since no answer says that it may.
+  // A page of another origin cannot read the response, since no response allows it to.
   EXPECT_EQ(fault("GET", {{"host", "localhost"}, {"origin", "http://evil.example"}}), "");
 }
 
@@ -285,7 +285,7 @@ TEST_F(AccessToAService, IsForThoseWithAToken) {
     ::kill(process_, SIGHUP);
     EXPECT_TRUE(test::comes([&] { return status("/v1/models", "second-token") == 200; }));
     EXPECT_EQ(status("/v1/models", "first-token"), 401);
-    // What cannot be read changes nothing.
+    // An unreadable token file changes nothing.
     folder_.write("tokens", "");
     ::kill(process_, SIGHUP);
     EXPECT_TRUE(test::comes([&] {

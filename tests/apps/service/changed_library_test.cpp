@@ -1,4 +1,5 @@
-// A library that others write under a service: told, never answered from, and survived.
+// Another process writes the library under a running service: the service reports it, never answers
+// from it, and keeps running.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -23,7 +24,7 @@ class ChangedLibrary : public ServeFixture {
     bytes_ = read_bytes(library_);
     scan_ = read_bytes(depth_);
   }
-  /// In the file that is there, as `cp` does.
+  /// Overwrites the existing file in place, as `cp` does.
   void overwrite(std::string_view bytes) const {
     std::ofstream(library_, std::ios::binary | std::ios::trunc) << bytes;
   }
@@ -60,12 +61,12 @@ TEST_F(ChangedLibrary, IsRefusedByNameUntilItIsReadAnew) {
               std::string::npos);
     EXPECT_EQ(detections(ask(port, "POST", query_, scan_)), detections(before));
 
-    // Cut off: what is behind the end is no longer there to be read.
+    // The file is truncated: the bytes beyond its end can no longer be read.
     overwrite(std::string_view(bytes_).substr(0, 5000));
     expect_refused();
     EXPECT_NE(ask(port, "POST", "/v1/library/reload").status, 200);
     expect_refused();
-    // Whole again under another name, and renamed.
+    // A complete file is written under another name, then renamed.
     std::ofstream(folder_ / "new.h5", std::ios::binary) << bytes_;
     fs::rename(folder_ / "new.h5", library_);
     EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);

@@ -1,4 +1,4 @@
-// The clients in examples/ find what the service finds, and Prometheus takes its metrics.
+// The clients in examples/ find the same poses as the service, and Prometheus accepts its metrics.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ class Examples : public test::ServeFixture {
                              {.folder = folder_.path(), .environment = environment, .watch = {}});
   }
 
-  /// As the examples print them, best first.
+  /// The detections as printed by the examples, best first.
   static std::string lines_of(const nlohmann::json& scene) {
     std::string lines;
     for (const nlohmann::json& found : scene["detections"]) {
@@ -70,7 +70,7 @@ TEST_F(Examples, FindWhatTheServiceFinds) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-/// An array [N, 3] of floats as numpy's np.load reads it (its format 1.0).
+/// Writes an array [N, 3] of floats in the format of numpy's np.load (version 1.0).
 void write_npy(const std::filesystem::path& file, const Points& points) {
   std::string header =
       fmt::format("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 3), }}", points.size());

@@ -1,4 +1,4 @@
-/// A service in which one allocation fails: each in its turn, in whatever thread it is made.
+/// A service in which one allocation fails: each in turn, in any thread.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,10 +22,10 @@ using namespace apps::service;
 
 class FailingAllocation : public test::ServeFixture {};
 
-/// Strides over them, unless all from TRIVET_ALL_ALLOCATIONS on are asked for; these are some
-/// thousands, and take minutes.
+/// Tests every n-th allocation, unless TRIVET_ALL_ALLOCATIONS requests all from a number on; those
+/// are some thousands, and take minutes.
 TEST_F(FailingAllocation, FailsAJobAtMost) {
-  test::spare_allocations();  // what the client takes is no matter
+  test::spare_allocations();  // allocations of the client do not count
   const char* const tries_all = std::getenv("TRIVET_ALL_ALLOCATIONS");
   const std::int64_t first_n = tries_all ? std::max(1L, std::atol(tries_all)) : 1;
   RequestLog log(-1);
@@ -56,7 +56,7 @@ TEST_F(FailingAllocation, FailsAJobAtMost) {
 
   int num_tried = 0, num_failed = 0;
   for (std::int64_t n = first_n;; n += tries_all ? 1 : std::max<std::int64_t>(1, n / 2)) {
-    // As after a start: what is made once is made anew.
+    // As after a start: cached data is made again.
     auto next = load_generation(files, static_cast<std::uint64_t>(n));
     ASSERT_TRUE(next) << next.error().message;
     service.publish(*next);

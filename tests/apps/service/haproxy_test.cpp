@@ -1,4 +1,4 @@
-/// The documented HAProxy configuration in front of two replicas: what a client sees when one of
+/// The documented HAProxy configuration in front of two replicas: the client's view when one of
 /// them ends or dies.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class HaProxy : public testing::Test {
     a_ = serve(0);
     b_ = serve(0);
 
-    // The documented file with ports of our own, and time for a machine that does other things.
+    // The documented file with free ports, and timeouts for a busy machine.
     port_ = test::free_port();
     std::string text = test::read_bytes(TRIVET_SOURCES "/docs/deploy/haproxy.cfg");
     const auto replace = [&](const std::string& what, const std::string& by) {
@@ -72,7 +72,7 @@ class HaProxy : public testing::Test {
   }
   Answer recognize() { return ask(port_, "POST", query_, scan_); }
 
-  /// Recognitions that a replica has, waiting and running.
+  /// The number of recognitions that a replica has waiting and running.
   static int num_taken(int port) {
     const std::string metrics = ask(port, "GET", "/metrics").body;
     int sum = 0;
@@ -84,7 +84,7 @@ class HaProxy : public testing::Test {
     return sum;
   }
 
-  /// Answers to requests that are sent at once, after `meanwhile` has been called.
+  /// The responses to concurrent requests, after `meanwhile` has been called.
   std::vector<Answer> recognize_at_once(std::size_t n, const std::function<void()>& meanwhile) {
     std::vector<Answer> answers(n);
     std::vector<std::thread> clients;
@@ -127,7 +127,7 @@ TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
     EXPECT_TRUE(test::comes([&] {
       return num_taken(a_->port()) + num_taken(b_->port()) >= 6 && num_taken(a_->port()) > 1;
     }));
-    a_->process().signal(SIGSTOP);  // so that what it works on does not change
+    a_->process().signal(SIGSTOP);  // so that its queue does not change
     num_lost = 8 - num_taken(b_->port());
     a_->process().signal(SIGKILL);
     a_->process().wait();
@@ -136,7 +136,7 @@ TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
   for (const Answer& answer : answers) num_failed += answer.status == 200 ? 0 : 1;
   EXPECT_GT(num_failed, 0);
   EXPECT_LE(num_failed, num_lost);
-  // At once: what cannot be sent to the dead one is sent to the other.
+  // The requests are concurrent: those that cannot reach the dead replica go to the other.
   for (const Answer& answer : recognize_at_once(4, [] {})) EXPECT_EQ(answer.status, 200);
 
   a_ = serve(a_->port());
@@ -171,7 +171,7 @@ TEST_F(HaProxy, PassesOnWhatClientsNeedAndNothingElse) {
   EXPECT_EQ(ask(port_, "POST", query_, scan_, page).status, 200) << "its own page";
   EXPECT_EQ(ask(port_, "POST", query_, scan_, "Origin: http://evil.example\r\n").status, 403);
 
-  // Named otherwise, a path is either off the list or refused by the service.
+  // A path in another spelling is either off the list or refused by the service.
   const auto count = [&] {
     int sum = 0;
     for (const int replica : {a_->port(), b_->port()}) {

@@ -19,7 +19,7 @@ namespace {
 
 using std::chrono::seconds, std::chrono::steady_clock;
 
-/// Says what it was asked: the target, a blank, and the body.
+/// Responds with the target of the request, a blank, and its body.
 Result<HttpServer> start_echo(const HttpLimits& limits = {}) {
   const auto echo = [](const HttpRequest& request, const HttpAnswer& answer) {
     answer({200, request.target + " " + request.body});
@@ -28,7 +28,7 @@ Result<HttpServer> start_echo(const HttpLimits& limits = {}) {
                            {echo, [](auto, auto) { return std::optional<HttpResponse>(); }});
 }
 
-/// Header fields of a POST whose body is coded.
+/// Header fields of a POST with an encoded body.
 std::string coded(const std::string& coding) { return "Content-Encoding: " + coding + "\r\n"; }
 
 std::string in_chunks(const std::string& body, std::size_t size) {
@@ -41,8 +41,8 @@ std::string in_chunks(const std::string& body, std::size_t size) {
 }
 
 TEST(HttpServer, AnswersWhoWasConnectedByTheSystemBeforeTheDoorClosed) {
-  // A handler that holds the network's thread: nobody is accepted meanwhile, and the clients wait
-  // in the system's queue, connected as they see it.
+  // A handler that blocks the network thread: no connection is accepted meanwhile, and the clients
+  // wait in the system's queue, connected from their side.
   std::promise<void> begun, go_on;
   const auto handle = [&, is_first = true](HttpRequest, const HttpAnswer& answer) mutable {
     if (is_first) {
@@ -64,7 +64,7 @@ TEST(HttpServer, AnswersWhoWasConnectedByTheSystemBeforeTheDoorClosed) {
     if (i == 0) begun.get_future().wait();
   }
   std::thread closing([&] { server->stop_accepting(); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the request to close is there
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the request to close has arrived
   go_on.set_value();
   closing.join();
   EXPECT_TRUE(server->wait_until_idle(steady_clock::now() + seconds(30)));
@@ -79,7 +79,7 @@ TEST(HttpServer, AnswersWhoWasConnectedByTheSystemBeforeTheDoorClosed) {
 
 TEST(HttpServer, TellsWhoHasGone) {
   std::promise<HttpRequest> asked[3];
-  std::vector<HttpAnswer> answers;  // of the network's thread until a request is told
+  std::vector<HttpAnswer> answers;  // of the network thread until a request is reported
   const auto handle = [&](HttpRequest request, HttpAnswer answer) {
     answers.push_back(std::move(answer));
     asked[answers.size() - 1].set_value(std::move(request));
@@ -199,7 +199,7 @@ TEST(HttpServer, RefusesBodiesThatDoNotUnpack) {
     EXPECT_EQ(answer.status, one.status) << one.coding << ": " << answer.body.substr(0, 200);
     EXPECT_NE(answer.body.find(one.reason), std::string::npos) << one.reason << answer.body;
   }
-  // As large as may be: the limit holds for what comes out.
+  // The largest allowed body: the limit applies to the decoded size.
   const std::string most(1 << 20, 'x');
   EXPECT_EQ(
       test::ask(server->port(), "POST", "/", test::pack(test::Packing::gzip, most), coded("gzip"))

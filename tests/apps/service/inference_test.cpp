@@ -1,4 +1,4 @@
-/// The Open Inference Protocol, as its clients speak it.
+/// The Open Inference Protocol, as its clients use it.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST(WriteInference, GivesTheOutputsThatAreAskedFor) {
   EXPECT_EQ(names(request_for({{{"name", "models"}}, {{"name", "poses"}}})),
             (Names{"models", "poses"}));
 
-  // What an output says of itself goes before what the request says of all.
+  // An output's parameter overrides the request's parameter for all outputs.
   nlohmann::json mixed = request_for(
       {{{"name", "models"}}, {{"name", "scores"}, {"parameters", {{"binary_data", false}}}}});
   mixed["parameters"]["binary_data_output"] = true;
@@ -139,7 +139,7 @@ class Inference : public test::ServeFixture {
   }
 };
 
-/// A request as Triton's clients write it: JSON, then the tensors.
+/// A request in the format of Triton's clients: JSON, then the tensors.
 struct Packed {
   std::string body, headers;
 
@@ -165,7 +165,7 @@ struct Packed {
   }
 };
 
-/// The JSON in front of an answer's tensors.
+/// The JSON in front of a response's tensors.
 nlohmann::json json_of(const Answer& answer) {
   std::smatch size;
   const bool has_tensors = std::regex_search(
@@ -187,7 +187,7 @@ TEST_F(Inference, AnswersWhatTritonsClientAsks) {
       get(target);
     EXPECT_EQ(get("models/l/versions/1"), get("models/l"));
 
-    // Metadata and configuration describe the same tensors, in the names of each.
+    // Metadata and configuration describe the same tensors, each with its field names.
     const nlohmann::json metadata = get("models/l"), configuration = get("models/l/config");
     EXPECT_EQ(configuration, get("models/l/versions/1/config"));
     EXPECT_EQ(configuration["name"], "l");
@@ -220,7 +220,7 @@ TEST_F(Inference, AnswersWhatTritonsClientAsks) {
       if (packing >= 0) request.pack(static_cast<test::Packing>(packing));
       return ask(port, "POST", path, request.body, request.headers + headers);
     };
-    // A client that names no outputs wants all, behind the JSON.
+    // A client that names no outputs gets all of them, after the JSON.
     const nlohmann::json plain{{"parameters", {{"binary_data_output", true}}}};
     const Answer all = infer(plain, "/v2/models/l/infer");
     ASSERT_EQ(all.status, 200) << all.body;
@@ -267,7 +267,7 @@ TEST_F(Inference, AnswersWhatTritonsClientAsks) {
     }
     EXPECT_GT(stats["compute_infer"]["ns"], 0);
     EXPECT_LE(sum, stats["success"]["ns"].get<std::uint64_t>());
-    // Another library has none yet.
+    // A different library has none yet.
     EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
     EXPECT_EQ(get("models/l/versions/2/stats")["model_stats"][0]["inference_count"], 0);
     EXPECT_EQ(ask(port, "GET", "/v2/models/l/versions/1/stats").status, 404);
@@ -293,7 +293,7 @@ TEST_F(Inference, EndsWithItsTimeout) {
     EXPECT_EQ(status(1), 504) << "a microsecond";
     EXPECT_EQ(status(2000), 504) << "milliseconds";
     EXPECT_EQ(status("soon"), 400);
-    // Behind tensors in JSON it is seen later, and holds all the same.
+    // After tensors in JSON the timeout is parsed later, but still applies.
     const nlohmann::json late{{"inputs",
                                {{{"name", "points"},
                                  {"datatype", "FP32"},
@@ -304,7 +304,7 @@ TEST_F(Inference, EndsWithItsTimeout) {
     const std::string metrics = ask(port, "GET", "/metrics").body;
     EXPECT_NE(metrics.find("trivet_rejected_total{reason=\"deadline\"} 3"), std::string::npos)
         << metrics;
-    // One that waits for its turn is answered when its timeout has passed, not when the turn comes.
+    // A waiting request is answered when its timeout has passed, not when its turn comes.
     std::vector<std::thread> others;
     for (int i = 0; i < 12; ++i) others.emplace_back([&] { EXPECT_EQ(status(0), 200); });
     EXPECT_TRUE(test::comes([&] {
@@ -325,7 +325,7 @@ TEST_F(Inference, EndsWithItsTimeout) {
 }
 
 TEST_F(Inference, SpeaksTheOpenInferenceProtocol) {
-  // The scan as points, and what the command line finds in them.
+  // The scan as points, and the poses that the command line finds in them.
   const test::Outcome meshed =
       test::run_trivet({"mesh", depth_.string(), "--camera", "camera.json", "-o", "scan.ply"},
                        {.folder = folder_.path(), .environment = {}, .watch = {}});

@@ -1,4 +1,4 @@
-// Scans that come into a watched folder are recognized as they come.
+// Scans written to a watched folder are recognized as they arrive.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -41,7 +41,7 @@ TEST_F(LiveScans, AreRecognizedAsTheyCome) {
     EXPECT_EQ(told[0]["query"], "format=png&" + parameters_);
     EXPECT_TRUE(told[0]["error"].is_null());
 
-    // As one that is sent, to the bit.
+    // Equal to the result for a posted scan, bit by bit.
     const nlohmann::json sent = ask(port, "POST", query_, read_bytes(depth_)).json();
     const nlohmann::json answer = ask(port, "GET", told[0]["answer"]).json();
     EXPECT_EQ(answer["scenes"][0]["detections"], sent["scenes"][0]["detections"]);
@@ -53,7 +53,7 @@ TEST_F(LiveScans, AreRecognizedAsTheyCome) {
     ASSERT_EQ(told.size(), 1U);
     EXPECT_NE(told[0]["error"].get<std::string>().find("damaged.png"), std::string::npos);
     EXPECT_EQ(ask(port, "GET", told[0]["answer"]).status, 404);
-    // One that is written again is new.
+    // A rewritten scan is new.
     fs::remove(folder_ / "in/damaged.png");
     fs::copy(depth_, folder_ / "in/damaged.png");
     told = scans(port, 1, "?after=2");
@@ -84,7 +84,8 @@ TEST_F(LiveScans, AreTakenInWholeThoughTheyAreWrittenSlowly) {
   });
 }
 
-// Written in place by a program that rests between: what rests for less than it was told is not whole.
+// The scan is written in place by a program that pauses: a file unchanged for less than the
+// configured time is incomplete.
 TEST_F(LiveScans, AreWholeWhenTheyHaveRestedOrWereRenamed) {
   fs::create_directory(folder_ / "in");
   serve({"--watch", "in", "--watch-query", parameters_, "--watch-rest-ms", "3000"}, [&](int port) {
@@ -94,7 +95,7 @@ TEST_F(LiveScans, AreWholeWhenTheyHaveRestedOrWereRenamed) {
           .write(bytes.data() + first, static_cast<std::streamsize>(last - first));
     };
     append(0, bytes.size() / 2);
-    // A renamed one does not wait for the rest.
+    // A renamed file is read without that wait.
     std::ofstream(folder_ / "in/.renamed", std::ios::binary) << bytes;
     fs::rename(folder_ / "in/.renamed", folder_ / "in/renamed.png");
     nlohmann::json told = scans(port, 1);
@@ -116,7 +117,7 @@ TEST_F(LiveScans, AreOnesOfTheirOwnWhenOneFileIsOverwrittenAgainAndAgain) {
       {"--watch", "in", "--watch-query", parameters_, "--watch-rest-ms", "200"}, [&](int port) {
         const std::string bytes = read_bytes(depth_);
         for (int i = 0; i < 4; ++i) {
-          // Cut off, then written anew: as a camera does that has one name for all.
+          // Truncated, then rewritten, as by a camera that uses one file name.
           std::ofstream(latest, std::ios::binary | std::ios::trunc)
               << (i == 1 ? bytes.substr(0, bytes.size() / 2) : bytes);
           const nlohmann::json told = scans(port, 1, "?after=" + std::to_string(i));

@@ -69,7 +69,7 @@ TEST(Metrics, TellsOfItsProcess) {
   const int file = ::open("/dev/null", O_RDONLY);
   EXPECT_EQ(value("process_open_fds"), open + 1);
   ::close(file);
-  // What is touched is resident; and touching it takes time.
+  // Touched memory is resident, and touching it takes time.
   constexpr std::size_t kBytes = 64 << 20;
   const double resident = value("process_resident_memory_bytes");
   std::vector<char> memory(kBytes);

@@ -1,4 +1,4 @@
-// What systemd is told by a service that it starts with Type=notify.
+// Notifications to systemd from a service started with Type=notify.
 #include <gtest/gtest.h>
 #include <sys/socket.h>
 #include <sys/un.h>
@@ -14,7 +14,7 @@
 namespace trivet {
 namespace {
 
-/// The service manager's side.
+/// The service manager's end of the socket.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::string& path) : socket_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {
@@ -35,7 +35,7 @@ class NotifySocket {
     const ssize_t n = ::recv(socket_, text, sizeof text, 0);
     return {text, n > 0 ? static_cast<std::size_t>(n) : 0};
   }
-  /// The next that is no ping.
+  /// The next state that is no watchdog ping.
   std::string next_state() const {
     std::string state = receive();
     while (state == "WATCHDOG=1") state = receive();

@@ -1,4 +1,4 @@
-// The description of the service for programs is what the service does.
+// The OpenAPI description of the service matches its behavior.
 #include "apps/service/serve/routes/openapi.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
   EXPECT_TRUE(described.erase("format")) << "which chooses the reader";
   for (const std::string& name : described) {
     const auto query = apps::service::parse_recognize_query({{name, "?"}});
-    if (query) continue;  // a name that may be any
+    if (query) continue;  // accepts any text
     EXPECT_EQ(query.error().message.rfind(name + ": expected", 0), 0U) << query.error().message;
   }
   EXPECT_FALSE(apps::service::parse_recognize_query({{"expected", "file.json"}}));
@@ -66,7 +66,7 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
     if (schema.contains("maximum")) bad.push_back(schema["maximum"].get<std::int64_t>() + 1);
     if (schema.contains("exclusiveMinimum")) bad.push_back(schema["exclusiveMinimum"]);
     if (schema.contains("enum")) bad.push_back("other");
-    // What says how a camera's image is to be read stands beside a camera.
+    // The parameters for reading a camera's image occur together with a camera.
     const bool is_of_camera = name == "depth" || name == "distortion" || name == "image-size";
     for (const nlohmann::json& value : good) {
       apps::service::Parameters parameters{{name, text(value)}};
@@ -80,7 +80,7 @@ TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
   }
 }
 
-/// What linters of OpenAPI find at fault in a description, and who makes clients from it trips over.
+/// Checks for errors that OpenAPI linters report and that break client generators.
 class Linter {
  public:
   explicit Linter(const nlohmann::json& document) : document_(document) {
@@ -179,7 +179,7 @@ class Linter {
 TEST(OpenApi, HasNoFaultsThatLintersFind) {
   const nlohmann::json good = nlohmann::json::parse(apps::service::openapi_document());
   EXPECT_EQ(Linter(good).faults(), std::vector<std::string>());
-  // Each of these is found.
+  // The linter detects each of these errors.
   const auto finds = [&](const std::string& what, const auto& spoil) {
     nlohmann::json document = good;
     spoil(document);

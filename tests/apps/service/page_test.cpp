@@ -1,4 +1,4 @@
-// What the service answers in place of a page that it was built without.
+// The response of a service that was built without the page.
 #include "apps/service/serve/routes/page.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Parts that clients bring to a service are trained aside, published, renamed and removed.
+// Clients upload parts to a service, which trains them aside, publishes, renames and removes them.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,7 @@ class PartWorkshop : public ServeFixture {
     return read_bytes(folder_ / ("scans/models/obj_00000" + std::to_string(number) + ".ply"));
   }
 
-  /// Its entry in /v1/parts once nothing of it is going on.
+  /// The part's entry in /v1/parts once no work on it is pending.
   static nlohmann::json settled(int port, const std::string& name) {
     for (int k = 0; k < 3000; ++k) {
       const nlohmann::json told = ask(port, "GET", "/v1/parts").json();
@@ -112,7 +112,7 @@ TEST_F(PartWorkshop, RefusesWhatIsNoPartAndGoesOn) {
         EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 202);
         EXPECT_EQ(ask(port, "DELETE", "/v1/parts/bad").status, 404);
         EXPECT_FALSE(fs::exists(folder_ / "drafts/bad"));
-        // One more than the library may have.
+        // One more part than the library may hold.
         EXPECT_EQ(bring("third?file=third.ply&unit=mm", part(1)), 202);
         EXPECT_EQ(settled(port, "third")["state"], "trained");
         EXPECT_EQ(ask(port, "PUT", "/v1/models/third").status, 409);
@@ -154,7 +154,7 @@ TEST_F(PartWorkshop, KeepsDraftsAndTheirDeclarations) {
   serve({"--allow-training", "drafts"}, [&](int port) { EXPECT_TRUE(declared(port)); });
 }
 
-/// All files below a folder with their bytes, and links with where they lead.
+/// All files below a folder with their bytes, and links with their targets.
 std::map<std::string, std::string> contents_of(const fs::path& folder) {
   std::map<std::string, std::string> contents;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -169,7 +169,7 @@ std::map<std::string, std::string> contents_of(const fs::path& folder) {
 }
 
 TEST_F(PartWorkshop, TouchesNoFolderOfOthers) {
-  serve({"--allow-training", "drafts"}, [](int) {});  // which marks it as its own
+  serve({"--allow-training", "drafts"}, [](int) {});  // marks the folder as the service's
   fs::create_directories(folder_ / "drafts/Documents/deep");
   std::ofstream(folder_ / "drafts/Documents/deep/thesis.txt") << "precious";
   std::ofstream(folder_ / "drafts/Documents/part.h5") << "not of a part";
@@ -177,7 +177,7 @@ TEST_F(PartWorkshop, TouchesNoFolderOfOthers) {
   fs::create_directories(folder_ / "elsewhere");
   std::ofstream(folder_ / "elsewhere/part.h5") << "far away";
   fs::create_directory_symlink(folder_ / "elsewhere", folder_ / "drafts/link");
-  // As an earlier version, or a copy of a part, would have left it.
+  // The state that an earlier version, or a copy of a part, would have left.
   fs::create_directories(folder_ / "drafts/unmarked");
   std::ofstream(folder_ / "drafts/unmarked/manifest.json") << "{}";
   const auto before = contents_of(folder_ / "drafts");
@@ -216,7 +216,7 @@ TEST_F(PartWorkshop, RemovesOnlyWhatItHasMade) {
       EXPECT_FALSE(fs::exists(folder_ / "drafts/lever" / file)) << file;
     EXPECT_EQ(read_bytes(folder_ / "drafts/lever/mine/deep/notes.txt"), "precious");
     EXPECT_EQ(read_bytes(folder_ / "elsewhere/0-0.h5"), "far away");
-    // The folder is the workshop's still; but it trains nothing through a link.
+    // The folder still belongs to the workshop, which trains nothing through a link.
     EXPECT_EQ(ask(port, "PUT", lever, part(1)).status, 202);
     EXPECT_EQ(settled(port, "lever")["state"], "failed");
     EXPECT_EQ(ask(port, "PUT", "/v1/parts/lever?file=mine&unit=mm", part(1)).status, 400);
@@ -252,7 +252,7 @@ TEST_F(PartWorkshop, StartsOnlyInAFolderOfItsOwn) {
     fs::remove(folder_ / "home" / marker);
     fs::remove(folder_ / "home/scans.json");
     fs::remove(folder_ / "home/manifest.json");
-    // A file system of its own, through a link.
+    // A separate file system, through a link.
     fs::create_directories(folder_ / "disk/lost+found");
     fs::create_directory_symlink(folder_ / "disk", folder_ / "mounted");
     EXPECT_EQ(serve({option, "mounted"}, [](int) {}).exit_code, 0);

@@ -16,11 +16,12 @@ namespace trivet::apps::service {
 namespace {
 
 TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
-  constexpr int kNumLines = 20'000;  // more than the pipe and the log have room for
+  constexpr int kNumLines = 20'000;  // exceeds the capacity of the pipe and the log
   std::array<int, 2> pipe{};
   ASSERT_EQ(::pipe(pipe.data()), 0);
   std::optional<RequestLog> log(pipe[1]);
-  for (int i = 0; i < kNumLines; ++i) log->write("info", "request", {{"line", i}});  // returns
+  for (int i = 0; i < kNumLines; ++i)
+    log->write("info", "request", {{"line", i}});  // does not block
   log->write("error", std::string(PIPE_BUF, 'x'));
   const std::uint64_t num_dropped = log->num_dropped();
   EXPECT_GT(num_dropped, 1U);
@@ -31,7 +32,7 @@ TEST(RequestLog, HoldsUpNobodyWhileItsReaderSleeps) {
     for (ssize_t n = 0; (n = ::read(pipe[0], part.data(), part.size())) > 0;)
       written.append(part.data(), static_cast<std::size_t>(n));
   });
-  log.reset();  // writes what is left
+  log.reset();  // writes the remaining lines
   ::close(pipe[1]);
   reader.join();
   ::close(pipe[0]);
@@ -65,7 +66,7 @@ TEST(RequestLog, EndsInTimeWhileItsReaderSleeps) {
 TEST(RequestLog, OutlivesItsReader) {
   std::array<int, 2> pipe{};
   ASSERT_EQ(::pipe(pipe.data()), 0);
-  ::close(pipe[0]);  // whoever writes to it now is ended by SIGPIPE
+  ::close(pipe[0]);  // the next writer is ended by SIGPIPE
   std::optional<RequestLog> log(pipe[1]);
   log->write("info", "request");
   for (int i = 0; i < 200 && log->num_dropped() == 0; ++i)

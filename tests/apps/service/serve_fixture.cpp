@@ -32,7 +32,7 @@ void ServeFixture::SetUp() {
 
 Outcome ServeFixture::serve(std::vector<std::string> arguments,
                             const std::function<void(int port)>& body) {
-  // A busy machine is slow, not wrong.
+  // Timeouts are generous, since a busy machine is slow but correct.
   arguments.insert(arguments.begin(), {"serve", "l.h5", "--port", "0", "--drain-grace-ms", "50",
                                        "--deadline-ms", "300000"});
   if (std::ranges::find(arguments, "--exit-timeout-ms") == arguments.end())

@@ -1,4 +1,4 @@
-/// What nobody should send: each is refused with a reason, and the next good request is answered.
+/// Malformed requests: each is refused with a reason, and the next valid request is answered.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -22,7 +22,7 @@ using test::read_bytes;
 
 class ServeHostile : public test::ServeFixture {
  protected:
-  /// A refusal of one of these statuses, with a reason in JSON.
+  /// Expects a refusal with one of these statuses, with a reason in JSON.
   static void expect_refused(const std::string& what, const Answer& answer,
                              const std::set<int>& statuses, const std::string& reason = "") {
     EXPECT_TRUE(statuses.contains(answer.status)) << what << ": " << answer.head << answer.body;
@@ -32,12 +32,12 @@ class ServeHostile : public test::ServeFixture {
     EXPECT_GT(json["error"].get<std::string>().size(), 10U) << what;
   }
 
-  /// A good request, as anybody's who comes next.
+  /// Expects a response to a valid request, as the next client would send it.
   void expect_answers(int port) const {
     EXPECT_EQ(ask(port, "POST", query_, read_bytes(depth_)).status, 200);
   }
 
-  /// The most memory that the service ever had [kB].
+  /// The peak memory of the service [kB].
   std::size_t peak_memory() const {
     const std::string status = read_bytes("/proc/" + std::to_string(process_) + "/status");
     const std::size_t at = status.find("VmHWM:");
@@ -45,14 +45,14 @@ class ServeHostile : public test::ServeFixture {
   }
 };
 
-/// The first that the service says to these bytes, before it closes the connection.
+/// The first response of the service to these bytes, before it closes the connection.
 Answer say(int port, const std::string& bytes) {
   const Connection connection(port);
   connection.send(bytes);
   return parse_answer(connection.receive());
 }
 
-/// The same to a client that sends no more.
+/// The same for a client that sends nothing more.
 Answer say_at_most(int port, const std::string& bytes) {
   const Connection connection(port);
   connection.send(bytes);
@@ -143,7 +143,7 @@ TEST_F(ServeHostile, RefusesFramesThatLie) {
   const test::Outcome outcome = serve({"--max-body-mb", "1"}, [&](int port) {
     for (const Case& one : cases)
       expect_refused(one.what, say(port, one.bytes), one.statuses, one.reason);
-    // Half a request: there is nobody to answer.
+    // Half a request: no client waits for a response.
     EXPECT_EQ(say_at_most(port, post("Content-Length: 4\r\n", "ply")).status, 0);
     EXPECT_EQ(say_at_most(port, "GET /v1/mod").status, 0);
     expect_answers(port);
@@ -183,7 +183,7 @@ TEST_F(ServeHostile, AnswersRequestsInARowInTheirOrder) {
     for (std::size_t at = 0; (at = rest.find("HTTP/1.1 ", at)) != rest.npos; at += 9)
       statuses.push_back(rest.substr(at + 9, 3));
     EXPECT_EQ(statuses, (std::vector<std::string>{"200", "404", "400", "200"})) << rest;
-    // A body behind the answer to HEAD would be taken for the next answer.
+    // A client would parse a body after the response to HEAD as the next response.
     EXPECT_EQ(parse_answer(rest).body.substr(0, 8), "HTTP/1.1");
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
@@ -308,7 +308,7 @@ TEST_F(ServeHostile, RefusesTensorsThatAreNone) {
 TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
   const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
-  // Enough bytes for as many pixels, were they compressed as well as can be.
+  // Enough bytes for this many pixels at the best possible compression.
   const std::string bomb = test::png_file(8000, 8000, 16, 0, "") + std::string(130'000, '\0');
   std::string gzip_bomb;
   for (int member = 0; member < 600; ++member)
@@ -338,7 +338,7 @@ TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
                      ask(port, "POST", "/v1/recognize?camera=500,500,0,0&format=" + format, body),
                      {400, 413}, "body." + format);
     }
-    // Rows of none: of all JSON, they need the most memory for their size.
+    // Rows of empty arrays need the most memory for their size of all JSON.
     std::string rows = R"({"inputs":[{"name":"points","datatype":"FP32","shape":[1,3],"data":[[])";
     while (rows.size() < 15'000'000) rows += ",[]";
     expect_refused("rows of none", ask(port, "POST", "/v2/models/l/infer", rows + "]}]}"), {400},
@@ -382,7 +382,7 @@ TEST_F(ServeHostile, UnpacksNoBombs) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-// 16 bytes once ended the service: "v 1 2 3\nf 1 1 1\n".
+// These 16 bytes once ended the service: "v 1 2 3\nf 1 1 1\n".
 TEST_F(ServeHostile, AnswersMeshesThatAreHardlyASurface) {
   const test::Outcome outcome = serve({}, [&](int port) {
     const std::string target = "/v1/recognize?format=obj&unit=mm";

@@ -1,4 +1,4 @@
-/// Scans are taken by what they will need.
+/// Scans are admitted according to the memory that they will need.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -19,7 +19,7 @@ class ServeMemory : public test::ServeFixture {};
 
 TEST_F(ServeMemory, TakesScansByWhatTheyNeed) {
   const std::string image = test::read_bytes(depth_);
-  // Some kilobytes, 16 million pixels.
+  // A file of some kilobytes with 16 million pixels.
   const std::string large =
       test::gzip_file(test::depth_png(4000, 4000, std::vector<std::uint16_t>(16'000'000, 8000)), 1);
   ASSERT_LT(large.size(), 500'000U);
@@ -29,7 +29,7 @@ TEST_F(ServeMemory, TakesScansByWhatTheyNeed) {
       EXPECT_EQ(refused.status, 413) << refused.body;
       EXPECT_NE(refused.body.find("--memory"), std::string::npos) << refused.body;
     }
-    // Of images that fit one at a time, all are answered, one after the other.
+    // Images that fit in memory only one at a time are all answered, one after the other.
     std::vector<Answer> answers(4);
     std::vector<std::thread> clients;
     for (Answer& answer : answers)

@@ -1,4 +1,4 @@
-/// A service some of whose work never ends and looks at nothing.
+/// A service with a job that never ends and never checks for a stop.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -37,13 +37,13 @@ TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
         EXPECT_EQ(late.status, 504) << late.body;
         EXPECT_GE(seconds, 0.3);
         EXPECT_LT(seconds, 5) << "the work goes on for ever";
-        // Who waits for the worker is answered in time, too.
+        // A request that waits for the worker is also answered in time.
         const Answer next = ask(port, "POST", query_, image, "X-Deadline-Ms: 300\r\n");
         EXPECT_TRUE(next.status == 504 || next.status == 503) << "or at once: " << next.body;
         EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
         const Answer metrics = ask(port, "GET", "/metrics");
         EXPECT_NE(metrics.body.find("\ntrivet_inflight 1\n"), std::string::npos) << metrics.body;
-        // What is on its way when the service is told to end is answered.
+        // A pending request is answered when the service receives the signal to end.
         const Connection last(port);
         last.send("POST " + query_ + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
                   std::to_string(image.size()) + "\r\n\r\n" + image);

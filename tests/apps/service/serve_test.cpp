@@ -1,4 +1,4 @@
-/// The service as its clients meet it: answers, refusals, overload, reloads, and its end.
+/// The service from the client's view: responses, refusals, overload, reloads, and its end.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ using test::read_bytes;
 
 class Serve : public test::ServeFixture {};
 
-/// The series that a service tells, without their values.
+/// The metric series of a service, without their values.
 std::set<std::string> series_of(int port) {
   std::istringstream lines(ask(port, "GET", "/metrics").body);
   std::set<std::string> series;
@@ -108,7 +108,7 @@ TEST_F(Serve, HasAllItsMetricsFromTheStart) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-// The same depths in other formats, and packed.
+// The same depths in other formats, and compressed.
 TEST_F(Serve, TakesEveryFormatThatIsReadFromFiles) {
   const Result<Cloud> cloud = read_cloud(depth_, {.camera = camera_});
   ASSERT_TRUE(cloud) << cloud.error().message;
@@ -168,7 +168,7 @@ TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
     const nlohmann::json all = both.json();
     for (const nlohmann::json& answered : all["scenes"])
       EXPECT_EQ(answered["detections"], one["detections"]);
-    // Each scan may have a camera of its own: with half the focal length nothing is as it was.
+    // Each scan may have its own camera: half the focal length changes every result.
     nlohmann::json wide = camera;
     wide["fx"] = wide["fx"].get<double>() / 2;
     const nlohmann::json apart =
@@ -178,7 +178,7 @@ TEST_F(Serve, AnswersSeveralScansOfOneRequest) {
     EXPECT_EQ(apart[0]["detections"], one["detections"]);
     EXPECT_NE(apart[1]["detections"], one["detections"]);
 
-    // One that cannot be read takes nothing from the others.
+    // An unreadable scan does not affect the others.
     const Answer mixed = post(options({{"method", "ppf"}, {"camera", camera}}) +
                               scene("a.png", scan) + scene("b.png", "no") + scene("c.png", scan));
     ASSERT_EQ(mixed.status, 200) << mixed.body;
@@ -331,7 +331,7 @@ TEST_F(Serve, IsConfiguredByAFileAndByFlags) {
         "max-body-mb: expected at most max-waiting-mb"}) {
     EXPECT_NE(bad.error.find(fault), std::string::npos) << fault << " in\n" << bad.error;
   }
-  // A flag stands in for the file's value, good or bad.
+  // A command-line flag replaces the file's value, valid or not.
   EXPECT_EQ(check("library = 'absent.h5'\nport = 70000\n", {"l.h5", "--port", "0"}).exit_code, 0);
   EXPECT_NE(check("library = \n", {}).error.find("serve.toml:1"), std::string::npos);
   EXPECT_EQ(check("", {}).exit_code, 2) << "no library";
@@ -384,7 +384,7 @@ TEST_F(Serve, AnswersWithACalibratedScore) {
     EXPECT_EQ(library_of(port)["calibration"], score_name(calibrated_score(calibration)));
     const nlohmann::json shifted = ask(port, "GET", "/v1/score-parts").json()["bias"];
     EXPECT_NEAR(shifted[0].get<double>(), bias[0].get<double>() - 1, 1e-4);
-    // A reload reads it anew; a bad one leaves the old one answering.
+    // A reload reads the file again; after an invalid one the old one stays in use.
     calibration.adaptation.shift = -2;
     ASSERT_TRUE(write_calibration(folder_ / "cell.json", calibration));
     EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
@@ -427,7 +427,8 @@ TEST_F(Serve, RefusesWithAReasonAndGoesOn) {
         for (int i = 0; i < 20; ++i) many.push_back(std::make_unique<Connection>(port));
         refuses(503, "from this address", "GET", "/metrics");
         many.clear();
-        while (ask(port, "GET", "/metrics").status == 503) continue;  // until it has seen them go
+        while (ask(port, "GET", "/metrics").status == 503)
+          continue;  // until it notices that they are closed
         const Connection garbage(port);
         garbage.send("\x01\x02 not http\r\n\r\n");
         EXPECT_NE(garbage.receive().find(" 400 "), std::string::npos);
@@ -516,7 +517,7 @@ TEST_F(Serve, AnswersWhatItHasTakenBeforeItEnds) {
     std::vector<std::thread> clients;
     for (Answer& answer : answers)
       clients.emplace_back([&] { answer = ask(port, "POST", query_, read_bytes(depth_)); });
-    // All have been taken once the queue has had them.
+    // All requests are answered after passing through the queue.
     for (int i = 0; i < 200; ++i) {
       const std::string metrics = ask(port, "GET", "/metrics").body;
       std::smatch waiting;

@@ -1,4 +1,4 @@
-// Cameras of requests: all that they say arrives.
+// Cameras of requests: every parameter takes effect.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// What a session refuses, without a service around it.
+// Inputs that a session refuses, tested without a service.
 #include <gtest/gtest.h>
 
 #include <memory>

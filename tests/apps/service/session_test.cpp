@@ -1,4 +1,4 @@
-// Scans, answers and truth that a service keeps in a folder.
+// Scans, responses and truth that a service keeps in a folder.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -71,7 +71,7 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
     EXPECT_EQ(kept["scans"][1]["truth"], nullptr);
     EXPECT_EQ(kept["runs"][0]["answers"][1]["found"], num_found);
     EXPECT_EQ(kept["runs"][0]["answers"][1]["seconds"], answer["seconds"]["work"]);
-    // The scan is read again as the index says.
+    // The scan is read again with the parameters in the index.
     const Answer again =
         ask(port, "POST",
             "/v1/recognize?method=ppf&" + kept["scans"][0]["query"].get<std::string>(), scan());
@@ -83,7 +83,7 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
     Json again = index(port);
     const Json now = again["scans"][0]["truth"], before = kept["scans"][0]["truth"];
     ASSERT_EQ(now.size(), before.size());
-    for (std::size_t k = 0; k < now.size(); ++k) {  // rotations are made true ones once more
+    for (std::size_t k = 0; k < now.size(); ++k) {  // rotations are orthonormalized again
       for (int i = 0; i < 12; ++i) {
         EXPECT_NEAR(now[k]["T_scene_model"][i / 4][i % 4].get<double>(),
                     before[k]["T_scene_model"][i / 4][i % 4].get<double>(), 1e-6);
@@ -100,7 +100,7 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
   EXPECT_EQ(second.exit_code, 0) << second.error;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "cell/scans/right.png"));
 
-  // Only what is marked is evaluated, and all of it is found again.
+  // Only marked scans are evaluated, and all their parts are found again.
   const test::Outcome unpacked = run("/bin/tar", {"xf", "session.tar"});
   ASSERT_EQ(unpacked.exit_code, 0) << unpacked.error;
   EXPECT_EQ(unpacked.error, "");
@@ -242,7 +242,7 @@ TEST_F(SessionOfAService, StartsWithWhatIsLeftOfADamagedFolder) {
     EXPECT_EQ(other.exit_code, 73) << "one service has a session";
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-  EXPECT_NE(outcome.error.find("runs/A/a.json"), std::string::npos) << "told at the start, too";
+  EXPECT_NE(outcome.error.find("runs/A/a.json"), std::string::npos) << "also reported at the start";
   EXPECT_FALSE(std::filesystem::exists(folder_ / "cell/scans/.c.png.1-0.tmp"));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "cell/manifest.json.damaged"));
 }

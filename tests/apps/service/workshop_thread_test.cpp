@@ -1,4 +1,4 @@
-// What goes wrong in the thread of a workshop ends what it was at, and nothing else.
+// An error in a workshop's thread ends the current task and nothing else.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -38,7 +38,7 @@ class WorkshopThread : public test::ServeFixture {
     workshop_->start();
   }
 
-  /// Of a model of the library, to a name that none has.
+  /// Renames a model of the library to an unused name.
   Result<void> rename() {
     const Result<Library> library = open_library(folder_ / "l.h5");
     EXPECT_TRUE(library);
@@ -50,7 +50,7 @@ class WorkshopThread : public test::ServeFixture {
     return told->get_future().get();
   }
 
-  /// What became of a part that is brought now.
+  /// The status of a newly uploaded part.
   DraftStatus bring() {
     const Result<void> brought = workshop_->bring("part", "part.ply", LengthUnit::meter, mesh_);
     EXPECT_TRUE(brought) << brought.error().message;
@@ -86,7 +86,7 @@ TEST_F(WorkshopThread, AnswersWhatAnExceptionHasEnded) {
 }
 
 TEST_F(WorkshopThread, FailsOnlyTheTrainingThatHasNoMemory) {
-  // What a training would leave, at once.
+  // The result of a training, created at once.
   fs::create_directory(folder_ / "made");
   const test::Outcome trained =
       test::run_trivet({"train", "part=scans/models/obj_000001.ply", "--unit", "mm", "--methods",
@@ -100,7 +100,8 @@ TEST_F(WorkshopThread, FailsOnlyTheTrainingThatHasNoMemory) {
   std::size_t failing = 0;
   open((folder_ / "train").string(), [&](const std::function<void(Result<void>)>& done) {
     done({});
-    // Of the thread that trains. What JSON takes for its own end is less: nothing survives if it fails.
+    // Allocations of the training thread. The destructor of JSON values allocates less than this
+    // size, and a failure there ends the program.
     test::fail_own_allocation(failing, 1024);
   });
   std::size_t num_failed = 0;
@@ -113,7 +114,7 @@ TEST_F(WorkshopThread, FailsOnlyTheTrainingThatHasNoMemory) {
   }
   EXPECT_GT(num_failed, 2U);
   failing = 0;
-  (void)rename();  // has no memory perhaps: what training left to fail is this one's
+  (void)rename();  // may lack memory: receives the failure left over from training
   ASSERT_TRUE(rename());
   EXPECT_EQ(bring().state, DraftState::trained);
 }

@@ -1,5 +1,5 @@
-/// Preloaded into a program: from when the file that STUCK_FROM names is there, zlib's inflate does
-/// not return. An image is work then that looks at nothing.
+/// Preloaded into a program: once the file STUCK_FROM exists, zlib's inflate does not return.
+/// Decoding an image is then work that never checks for a stop.
 #include <dlfcn.h>
 #include <unistd.h>
 

@@ -5,7 +5,7 @@
 namespace trivet::apps::study {
 namespace {
 
-/// One method under two conditions, which take so many seconds.
+/// One method under two conditions, with these run times in seconds.
 Panel panel_of(const std::string& axis, bool is_curve, double first_seconds = 1) {
   Panel panel;
   panel.axis = axis;

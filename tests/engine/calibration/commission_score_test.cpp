@@ -15,7 +15,7 @@ using kernels::kNumScoreParts;
 
 constexpr float kLeast = 0.8F;
 
-/// Outcomes of a cell whose poses are as often right as `cell` says; half are near the best.
+/// Outcomes of a cell whose poses are right as often as `cell` predicts; half are near the best.
 Outcomes draw(const kernels::ScoreModel& cell, std::size_t num_scans, std::size_t per_scan,
               std::uint64_t seed) {
   test::Random random(seed);
@@ -41,7 +41,7 @@ Outcomes draw(const kernels::ScoreModel& cell, std::size_t num_scans, std::size_
   return outcomes;
 }
 
-/// A cell in which the default score is much too sure.
+/// A cell in which the default score is far too confident.
 kernels::ScoreModel unlike_cell() {
   kernels::ScoreAdaptation adaptation;
   adaptation.shift = -2;
@@ -79,7 +79,7 @@ TEST(CommissionScore, LetsNoWrongOutcomeRiseOverTheLeastScore) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Outcomes outcomes = draw(default_score(), 5, 40, seed);
     test::Random random(seed);
-    // Some are marked by chance.
+    // Some poses get random marks.
     for (std::uint8_t& right : outcomes.right)
       if (random.uniform(0, 1) < 0.3F) right = static_cast<std::uint8_t>(random.below(2));
     const Result<Commissioning> found = commission_score(default_score(), outcomes, kLeast);
@@ -99,7 +99,7 @@ TEST(CommissionScore, LetsNoWrongOutcomeRiseOverTheLeastScore) {
   }
 }
 
-// The default score is the best that there is for scans that it was fitted to.
+// The default score is optimal for the scans that it was fitted to.
 TEST(CommissionScore, ChangesLittleWhereTheDefaultIsRight) {
   const Outcomes fresh = draw(default_score(), 50, 60, 99);
   for (std::uint64_t seed = 0; seed < 5; ++seed) {

@@ -13,7 +13,7 @@
 namespace trivet {
 namespace {
 
-/// Two parts of each of two kinds before a wall, one library of both.
+/// Two instances of each of two parts in front of a wall, and one library of both parts.
 class CheckCamera : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -23,8 +23,8 @@ class CheckCamera : public testing::Test {
                                                    {.tri_spin_images = false}));
   }
 
-  /// What a camera of 570 pixels sees, as it is where `focal` times these are written, and depths
-  /// are written `depth` times what they are.
+  /// The scan of a camera with a focal length of 570 pixels, written with its focal length
+  /// multiplied by `focal` and its depths by `depth`.
   static Cloud scan(float focal, float depth = 1) {
     static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
     Cloud cloud =
@@ -86,7 +86,7 @@ TEST_F(CheckCamera, TellsDepthsThatAreOnePercentAndAHalfOff) {
   EXPECT_NEAR(corrected_camera(found)->depth_scale, 1 / 1.015, 0.003);
 }
 
-/// The same values, which measure one kind of depth, read as the other.
+/// The same values, measured as one kind of depth, read as the other.
 Cloud read_as(DepthKind kind, Cloud cloud) {
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const Eigen::Vector3f p = cloud.points[i];
@@ -97,7 +97,7 @@ Cloud read_as(DepthKind kind, Cloud cloud) {
   return cloud;
 }
 
-// The wall is flat in one reading only.
+// The wall is flat only for the right kind of depth.
 TEST_F(CheckCamera, TellsDepthsAlongTheRay) {
   const Cloud right = scan(1);
   const CameraCheck as_it_is = check(right);

@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kRadius = 0.5F;
 
-/// A lumpy body without symmetry.
+/// An irregular body without symmetry.
 test::SampledShape lumps() {
   test::Shape shape = test::ellipsoid({1, 0.7F, 0.5F}, 40);
   shape.join(
@@ -47,8 +47,8 @@ double distance(std::span<const float> a, std::span<const float> b) {
   return std::sqrt(sum);
 }
 
-// What makes a match a pose: the same keypoint of a moved body has the same image, and the two
-// frames give the motion.
+// The property that turns a match into a pose: the same keypoint of a moved body has the same
+// image, and the two frames give the motion.
 TEST(DescribeSurface, GivesTheMotionOfABodyByOneMatch) {
   const test::SampledShape body = lumps();
   test::Random random;
@@ -116,7 +116,7 @@ TEST(DescribeSurface, LeavesOutWhatHoldsNoFrameAndAppends) {
   test::Random random;
   Points points;
   Normals normals;
-  for (int k = 0; k < 3000; ++k) {  // a disc: any turn about its normal fits at its middle
+  for (int k = 0; k < 3000; ++k) {  // a disc: at its center any rotation about its normal fits
     const float a = random.uniform(0, 6.2831853F), r = std::sqrt(random.uniform(0, 1));
     points.push_back({r * std::cos(a), r * std::sin(a), 0});
     normals.push_back({0, 0, 1});

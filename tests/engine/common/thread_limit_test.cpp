@@ -13,7 +13,8 @@
 namespace trivet::engine {
 namespace {
 
-/// How many threads share a loop whose items wait, so that every thread there is gets one.
+/// The number of threads that share a loop. The items wait, so that every available thread gets
+/// one.
 std::size_t threads_of_a_loop() {
   std::mutex mutex;
   std::set<std::thread::id> seen;

@@ -9,7 +9,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Matches of falling scores.
+/// Matches in descending order of score.
 std::vector<ScoredMatch> ranked(const std::vector<bool>& found) {
   std::vector<ScoredMatch> matches;
   for (std::size_t i = 0; i < found.size(); ++i)
@@ -34,12 +34,12 @@ TEST(AveragePrecision, IsZeroWithoutMatchesOrTargets) {
   EXPECT_EQ(of({false}, 0), 0);
 }
 
-// Recall 1/4 is had at precision 1, recall 2/4 at 2/3: places 0 to 25 and 26 to 50 of 101.
+// Recall 1/4 is reached at precision 1, recall 2/4 at 2/3: places 0 to 25 and 26 to 50 of 101.
 TEST(AveragePrecision, WeighsEachPrecisionByThePlacesItReaches) {
   EXPECT_NEAR(of({true, false, true, false, false}, 4), (26 * 1 + 25 * 2.0 / 3) / 101, 1e-15);
 }
 
-// Of 1/1 and 2/3 and 3/4, recall 2/3 takes the better 3/4.
+// Of the precisions 1/1, 2/3 and 3/4, recall 2/3 uses the better 3/4.
 TEST(AveragePrecision, TakesTheBestPrecisionAtThatRecallOrMore) {
   EXPECT_NEAR(of({true, false, true, true}, 3), (34 * 1 + 67 * 0.75) / 101, 1e-15);
 }

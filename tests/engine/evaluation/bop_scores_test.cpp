@@ -20,8 +20,8 @@ Pose at(float x, float y = 0, float z = 600) { return Pose(Eigen::Translation3f(
 
 constexpr std::uint32_t kWidth = 64, kHeight = 48;
 
-/// Depth images of 64 x 48 pixels in mm before a wall at 2 m, with a plate of 100 x 100 x 20, the
-/// near side of which lies at z = 0, and its twin `other`. Thresholds are shares of 100 mm.
+/// Depth images of 64 x 48 pixels in mm, with a wall at 2 m, a plate of 100 x 100 x 20 whose near
+/// side lies at z = 0, and its twin `other`. Thresholds are fractions of 100 mm.
 class BopScoresTest : public testing::Test {
  protected:
   BopScoresTest() {
@@ -42,7 +42,7 @@ class BopScoresTest : public testing::Test {
     results.emplace_back(SceneResult{});
     measure(measured);
   }
-  /// The last scene's depth at every pixel but the first, as no image may be empty.
+  /// Sets the last scene's depth at every pixel but the first, as no image may be empty.
   void measure(std::uint16_t depth) {
     ManifestScene& scene = manifest.scenes.back();
     scene.file = folder / scene.name += ".png";
@@ -94,8 +94,8 @@ TEST_F(BopScoresTest, GivesFullMarksForTheTruthItself) {
   EXPECT_EQ(scores.detection.mssd_mm, 1);
 }
 
-// 12 mm lie below 8 of the thresholds 5, 10 ... 50 mm and 4 of 2, 4 ... 20 mm. In the image, at
-// z = 600, they are 64 * 12 / 600 = 1.28 pixels of 64, 12.8 of 640: below 8 of 5, 10 ... 50.
+// 12 mm are below 8 of the thresholds 5, 10 ... 50 mm and 4 of 2, 4 ... 20 mm. In the image, at z =
+// 600, they are 64 * 12 / 600 = 1.28 pixels of 64, 12.8 of 640: below 8 of 5, 10 ... 50.
 TEST_F(BopScoresTest, CountsTheThresholdsAboveTheError) {
   add_truth(at(0));
   add_detection(at(12));
@@ -118,7 +118,7 @@ TEST_F(BopScoresTest, DoesNotCountAThresholdThatIsJustMet) {
   EXPECT_NEAR(score().localization.mssd, 0.5, 1e-12);  // 0.3 to 0.5
 }
 
-// Along the rays the plate is 12 to 12.1 mm further away: wrong at 2 of 10 tolerances, right at all
+// Along the rays the plate is 12 to 12.1 mm farther away: wrong at 2 of 10 tolerances, right at all
 // others, since both poses fill the same 10 x 10 pixels.
 TEST_F(BopScoresTest, TakesVsdOverTolerancesAndThresholds) {
   add_truth(at(0));
@@ -146,7 +146,7 @@ TEST_F(BopScoresTest, TakesMissingDepthForVisibleAndAnOccluderForHiding) {
   EXPECT_EQ(score().localization.mssd, 1);
 }
 
-// The plate lies 10 mm behind what was measured.
+// The plate lies 10 mm behind the measured surface.
 TEST_F(BopScoresTest, TakesTheDeltaOfVsdInMillimeters) {
   add_truth(at(0));
   add_detection(at(0));
@@ -207,7 +207,7 @@ TEST_F(BopScoresTest, LooksForTheMostVisibleInstances) {
   EXPECT_EQ(score().localization.mssd, 0);
 }
 
-// Localization does not look for the hidden one; detection does not care.
+// Localization ignores the hidden instance; detection is not affected.
 TEST_F(BopScoresTest, LeavesOutWhatIsVisibleByLessThanATenth) {
   add_truth(at(-150), 0.099);
   add_truth(at(0), 0.1);
@@ -216,9 +216,9 @@ TEST_F(BopScoresTest, LeavesOutWhatIsVisibleByLessThanATenth) {
   EXPECT_EQ(score().detection.num_targets, 1U);
   expect_mssd(1, 1);
   add_detection(at(-150), 0.9F);
-  expect_mssd(0, 1);  // it takes the one place of localization
+  expect_mssd(0, 1);  // it uses the only detection allowed for localization
   add_detection(at(-150), 0.8F);
-  expect_mssd(0, 0.5);  // a second detection of the hidden one is false
+  expect_mssd(0, 0.5);  // a second detection of the hidden instance is false
 }
 
 TEST_F(BopScoresTest, TakesTruthsToBeIgnoredForHiddenWhereVisibilityIsUnknown) {
@@ -237,9 +237,9 @@ TEST_F(BopScoresTest, GivesEachDetectionOneTruth) {
   expect_mssd(0.5, 51.0 / 101);
 }
 
-// The better-scored one, 10 mm off the first truth, takes it wherever the threshold is above that;
-// the other, which is exact, must then be content with the second truth, 40 mm off. Both are found
-// at thresholds of 45 and 50 mm, else one.
+// The better-scored detection, 10 mm from the first truth, matches it at every larger threshold.
+// The other, which is exact, must then match the second truth, 40 mm away. Both are right at
+// thresholds of 45 and 50 mm, otherwise one is.
 TEST_F(BopScoresTest, MatchesByFallingScore) {
   add_truth(at(0));
   add_truth(at(40));
@@ -276,7 +276,7 @@ TEST_F(BopScoresTest, RanksDetectionsOfAllImages) {
   expect_mssd(0.5, 51 * 0.5 / 101);  // false, right, one missed
 }
 
-// As the toolkit has it.
+// The toolkit drops them as well.
 TEST_F(BopScoresTest, DropsDetectionsOfModelsThatTheImageLacks) {
   add_truth(at(0));
   add_detection(at(0), 0.5F);

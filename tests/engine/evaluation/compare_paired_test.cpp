@@ -19,7 +19,7 @@ double p_of(std::size_t only_first, std::size_t only_second) {
   return compare_paired(Scenes{{5, only_first, only_second, 5}}, 1).p;
 }
 
-/// From the definition, for numbers that a double counts exactly.
+/// The p-value from its definition, for counts that a double represents exactly.
 double reference_p(std::size_t b, std::size_t c) {
   const std::size_t n = b + c;
   double ways = 0, choose = 1;
@@ -30,7 +30,7 @@ double reference_p(std::size_t b, std::size_t c) {
   return std::min(1.0, 2 * ways / std::pow(2.0, static_cast<double>(n)));
 }
 
-/// Scenes of two methods that succeed at 0.7 and at 0.6. A scene may be hard for all its trials.
+/// Scenes of two methods with success rates of 0.7 and 0.6. A scene may be hard for all its trials.
 Scenes simulated(std::size_t num_scenes, std::size_t num_trials, std::uint64_t seed) {
   Scenes scenes(num_scenes);
   for (std::size_t s = 0; s < num_scenes; ++s) {
@@ -51,20 +51,20 @@ TEST(ComparePaired, GivesMcNemarsExactP) {
   EXPECT_NEAR(p_of(1, 9), 0.021484375, 1e-15);
   EXPECT_NEAR(p_of(0, 5), 0.0625, 1e-15);
   EXPECT_EQ(p_of(4, 4), 1);
-  EXPECT_EQ(p_of(0, 0), 1) << "nothing tells them apart";
+  EXPECT_EQ(p_of(0, 0), 1) << "nothing distinguishes them";
   for (std::size_t b = 0; b <= 25; ++b) {
     for (std::size_t c = 0; c <= 25; ++c) EXPECT_NEAR(p_of(b, c), reference_p(b, c), 1e-13);
   }
 }
 
-// The normal distribution's tail, with the correction for continuity, is within 1 % of it there.
+// The tail of the normal distribution, with continuity correction, is within 1 % of it there.
 TEST(ComparePaired, StaysFiniteForManyTrials) {
   const double b = 40000, c = 41000;
   const double z = (c - b - 1) / std::sqrt(b + c);
   const double tail = std::erfc(z / std::numbers::sqrt2);
   EXPECT_NEAR(p_of(40000, 41000), tail, 0.01 * tail);
   EXPECT_EQ(p_of(40000, 40000), 1);
-  EXPECT_EQ(p_of(0, 100000), 0) << "less than a double can tell";
+  EXPECT_EQ(p_of(0, 100000), 0) << "less than a double represents";
 }
 
 TEST(ComparePaired, TellsTheDifferenceOfTheRates) {
@@ -108,7 +108,7 @@ TEST(ComparePaired, GivesTheSameForTheSameSeedOnly) {
   EXPECT_NE(compare_paired(scenes, 9), compare_paired(scenes, 10));
 }
 
-// Of 300 studies 95 % have the true difference, 0.1, in the interval: 285 within 4 standard
+// Of 300 studies 95 % have the true difference, 0.1, in the interval: 285, within 4 standard
 // deviations of a binomial, 3.8 each.
 TEST(ComparePaired, CoversTheTrueDifferenceAsOftenAsItSays) {
   constexpr int kStudies = 300;
@@ -121,7 +121,7 @@ TEST(ComparePaired, CoversTheTrueDifferenceAsOftenAsItSays) {
   EXPECT_NEAR(covered, 0.95 * kStudies, 15);
 }
 
-// Ten copies of each trial say no more than one where the scene decides them all.
+// Ten copies of each trial are no more evidence than one where the scene decides them all.
 TEST(ComparePaired, TakesTrialsOfASceneForOneAnothersCopies) {
   const Scenes scenes = simulated(60, 1, 5);
   Scenes copies = scenes;

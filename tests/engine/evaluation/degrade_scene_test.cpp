@@ -41,7 +41,7 @@ Cloud wall() {
   return cloud;
 }
 
-/// A bumpy surface without pixels.
+/// A bumpy surface without a pixel grid.
 Cloud bumps(std::size_t n) {
   Cloud cloud;
   cloud.points = test::Random(n).surface(n);
@@ -54,7 +54,7 @@ Cloud degraded(Cloud cloud, const DegradeOptions& options, std::uint64_t seed = 
   return cloud;
 }
 
-/// Root mean square of what each point has moved, along each axis.
+/// Root mean square displacement of the points along each axis.
 Vector3d sigmas(PointsView before, PointsView after) {
   EXPECT_EQ(before.size(), after.size());
   Vector3d sum = Vector3d::Zero();
@@ -63,12 +63,13 @@ Vector3d sigmas(PointsView before, PointsView after) {
   return (sum / static_cast<double>(before.size())).cwiseSqrt();
 }
 
-/// Within five standard errors of a normal sample's standard deviation, and float's rounding.
+/// Expects agreement within five standard errors of a normal sample's standard deviation, plus
+/// float rounding.
 void expect_sigma(double found, double expected, std::size_t n) {
   EXPECT_NEAR(found, expected, 5 * expected / std::sqrt(2 * static_cast<double>(n)) + 1e-6);
 }
 
-/// All kinds, for claims that hold for each.
+/// All degradations, for properties common to them.
 const std::vector<DegradeOptions> kEach{{.scattered = true},
                                         {.noise = 0.3F},
                                         {.noise_diameters = 0.01F},
@@ -129,8 +130,8 @@ TEST(DegradeScene, AddsNoiseInResolutionsOfTheScan) {
   for (const double sigma : found) expect_sigma(sigma, 0.5 * kResolution, scan.points.size());
 }
 
-// Points on a lattice of pitch 1/16: a cloud's nearest neighbors are that apart, a mesh of squares
-// with their diagonals has edges of (2 + sqrt 2) / 3 of it, up to its border.
+// Points on a lattice of pitch 1/16. A cloud's nearest neighbors have that distance; a mesh of
+// squares with diagonals has a mean edge length of (2 + sqrt 2) / 3 of it, up to its border.
 TEST(DegradeScene, TakesTheResolutionOfACloudFromItsNeighborsAndOfAMeshFromItsEdges) {
   constexpr std::uint32_t kSide = 100;
   constexpr double kPitch = 1.0 / 16;
@@ -274,7 +275,7 @@ TEST(DegradeScene, BearsCloudsOfFewPoints) {
   Cloud apart = bumps(2);
   apart.grid = PixelGrid{3, 1, {0, PixelGrid::kNone, 1}};
   EXPECT_FALSE(test::same_bits(degraded(apart, {.noise = 1}).points, apart.points))
-      << "no pixels side by side tell the resolution, the points do";
+      << "without adjacent pixels, the points give the resolution";
 }
 
 TEST(DegradeScene, RefusesOptionsOutOfRange) {

@@ -59,7 +59,7 @@ class Evaluate : public testing::Test {
     EXPECT_EQ(evaluation.total.instances, instances);
     EXPECT_EQ(evaluation.total.false_positives, false_positives);
   }
-  /// Turn about the middle of the box by so many degrees, then shift.
+  /// The pose after a rotation by this angle in degrees about the center of the box, then a shift.
   static Pose off_by(float angle_deg, const Vector3f& axis,
                      const Vector3f& shift = Vector3f::Zero()) {
     const Vector3f middle(10, 10, 10);
@@ -96,7 +96,7 @@ TEST_F(Evaluate, AllowsTwelveDegreesAboutTheMiddleWhereverTheOriginLies) {
   result.detections[0].T_scene_model = off_by(12.1F, Vector3f::UnitY());
   expect(0, 1, 1);
   result.detections[0].T_scene_model =
-      pose_at(Vector3f::Zero(), 11.9F);  // about the origin, which is far
+      pose_at(Vector3f::Zero(), 11.9F);  // about the origin, which is far away
   expect(0, 1, 1);
 }
 
@@ -168,8 +168,9 @@ TEST_F(Evaluate, LeavesTheTurnAboutAFreeAxisOut) {
 
 TEST_F(Evaluate, MeasuresAddOnTheVertices) {
   add_truth(Pose::Identity());
-  // The corners lie sqrt(1 + 1.5^2) from the z axis through the middle: 12 degrees move them by
-  // 0.38, with 0.65 along z by 0.75 > 0.7, although both errors are within their limits.
+  // The corners lie sqrt(1 + 1.5^2) from the z axis through the center: 12 degrees move them by
+  // 0.38, and with a shift of 0.65 along z by 0.75 > 0.7, although both errors are within their
+  // limits.
   add_detection(off_by(11.9F, Vector3f::UnitZ(), {0, 0, 0.65F}));
   const Evaluation evaluation = judge();
   EXPECT_EQ(evaluation.total.right, 1U);
@@ -222,7 +223,7 @@ TEST_F(Evaluate, KeepsDetectionsBelowTheThresholdOutOfTheSums) {
   EXPECT_NEAR(evaluation.curve.points[2].precision, 2.0 / 3, 1e-12);
 }
 
-// What a threshold takes away is always the end of the list: the rest is judged the same.
+// A threshold always removes the end of the list: the judgment of the other poses does not change.
 TEST_F(Evaluate, HoldsTheThresholdAgainstTheVeryPoseWhereThatIsRequired) {
   add_truth(Pose::Identity());
   add_detection(Pose::Identity(), 0.9F);
@@ -281,7 +282,7 @@ TEST_F(Evaluate, SortsInstancesByOcclusionAndModel) {
   ASSERT_EQ(evaluation.by_model.size(), 2U);
   EXPECT_EQ(evaluation.by_model[0].first, "box");
   EXPECT_EQ(evaluation.by_model[0].second.instances, 3U);
-  EXPECT_TRUE(evaluation.by_clutter.empty()) << "no truth tells it";
+  EXPECT_TRUE(evaluation.by_clutter.empty()) << "no truth states it";
 }
 
 TEST_F(Evaluate, SortsInstancesByClutterAndVisibleFraction) {
@@ -314,7 +315,7 @@ TEST_F(Evaluate, GivesMedianAndNinetyFifthPercentileOfTheTimes) {
     results[s]->stats.times.add("vote", 1.0 + static_cast<double>(s));
     results[s]->stats.total_seconds = 3.0 + static_cast<double>(2 * s);
   }
-  results[4].reset();  // and the fourth does not tell its times
+  results[4].reset();  // and the fourth result has no times
   const Result<Evaluation> evaluation = evaluate(manifest, meshes, results);
   ASSERT_TRUE(evaluation);
   ASSERT_EQ(evaluation->seconds.size(), 2U);

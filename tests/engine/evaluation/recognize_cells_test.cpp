@@ -1,4 +1,4 @@
-/// Cells of a study: what they give is what recognition alone gives.
+/// Recognizing the cells of a study gives the same results as separate recognition.
 #include "engine/evaluation/recognize_cells.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace trivet {
 namespace {
 
-/// Two parts, three scenes of them and two libraries.
+/// Two parts, three scenes that contain them, and two libraries.
 class RecognizeCells : public testing::Test {
  protected:
   void SetUp() override {
@@ -40,7 +40,7 @@ class RecognizeCells : public testing::Test {
     }
   }
 
-  /// Every scene by both libraries, plain and with noise.
+  /// Every scene with both libraries, without and with noise.
   std::vector<RecognitionCell> all_cells() const {
     std::vector<RecognitionCell> cells;
     RecognizeOptions options;

@@ -15,14 +15,14 @@ using Outcomes = std::vector<ScoredOutcome>;
 Outcomes random_outcomes(test::Random& random, int n) {
   Outcomes outcomes;
   for (int i = 0; i < n; ++i) {
-    // A coarse grid of scores: many are equal.
+    // A coarse grid of scores, for many ties.
     const double score = std::floor(20 * static_cast<double>(random.uniform(0, 1))) / 20;
     outcomes.push_back({score, static_cast<double>(random.uniform(0, 1)) < score});
   }
   return outcomes;
 }
 
-/// Right ones, and all, of those with at least this score.
+/// Right detections and all detections with at least this score.
 std::pair<double, double> reported(const Outcomes& outcomes, double score) {
   double right = 0, all = 0;
   for (const ScoredOutcome& outcome : outcomes) {
@@ -33,7 +33,7 @@ std::pair<double, double> reported(const Outcomes& outcomes, double score) {
   return {right, all};
 }
 
-// By hand: thresholds 0.9, 0.8, 0.6, 0.4 take 1/1, 1/2, 2/3, 3/5 of 4 instances.
+// By hand: the thresholds 0.9, 0.8, 0.6, 0.4 select 1/1, 1/2, 2/3, 3/5 of 4 instances.
 TEST(PrecisionRecall, AgreesWithAnExampleByHand) {
   const Outcomes outcomes{{0.4, true}, {0.9, true}, {0.8, false}, {0.6, true}, {0.4, false}};
   const PrecisionRecall curve = precision_recall(outcomes, 4);
@@ -63,7 +63,8 @@ TEST(PrecisionRecall, AgreesWithTheDefinitionsOnRandomScores) {
       EXPECT_DOUBLE_EQ(point.recall, right / n);
       EXPECT_LE(point.f1(), curve.best_f1->f1());
     }
-    // Every right detection adds 1 / n of recall at the best precision of any recall that high.
+    // Every right detection adds 1 / n of recall at the best precision of that or any higher
+    // recall.
     double area = 0;
     for (int k = 1; k <= n; ++k) {
       double best = 0;
@@ -133,7 +134,7 @@ TEST(Calibrate, LeavesScoresThatAreNoProbabilitiesAlone) {
   EXPECT_FALSE(calibrate(Outcomes{{-0.1, true}}));
 }
 
-// Ends of the interval are the roots p of |right / n - p| = z sqrt(p (1 - p) / n).
+// The ends of the interval are the roots p of |right / n - p| = z sqrt(p (1 - p) / n).
 TEST(WilsonInterval, SolvesItsEquation) {
   for (const auto& [right, n] :
        {std::pair<std::size_t, std::size_t>{7, 10}, {1, 3}, {99, 100}, {0, 5}, {5, 5}}) {

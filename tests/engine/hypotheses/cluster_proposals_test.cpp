@@ -43,7 +43,7 @@ TEST_F(ClusterProposals, AppendsARowForEachClusterOfASource) {
 
 TEST_F(ClusterProposals, LeavesOutWhatTheLimitsDoNotAllow) {
   options_.limits.region = PoseLimits::Region{{-1, -1, -1}, {1, 1, 1}};
-  options_.scale = 10;  // of the region's unit to the library's
+  options_.scale = 10;  // from the region's unit to the library's
   const std::vector<Proposals> proposals{{0, Source::ppf, {at(0, 2), at(9, 3), at(11, 4)}}};
   EXPECT_EQ(cluster_proposals(library_, proposals, options_, table_), (Rows{0, 1}));
   EXPECT_EQ(table_.votes, (std::vector<float>{3, 2}));

@@ -1,4 +1,4 @@
-// Whatever a client sends as a scene is prepared, or refused by name, within bounds.
+// Any scene that a client sends is prepared or refused with a specific error, within bounds.
 #include <gtest/gtest.h>
 
 #include "engine/common/thread_limit.hpp"
@@ -13,7 +13,7 @@
 namespace trivet {
 namespace {
 
-/// In one thread, whose allocations are counted.
+/// Prepares in one thread, whose allocations are counted.
 Result<engine::PreparedScene> prepare_alone(const Cloud& cloud, const SceneInput& input,
                                             std::size_t* bytes = nullptr) {
   const ThreadLimit alone(1);
@@ -57,7 +57,7 @@ TEST(DegenerateScene, IsPreparedOrRefusedWhateverItsVertices) {
 
 TEST(DegenerateScene, IsPreparedOrRefusedWhateverItsPoints) {
   for (const test::DegenerateMesh& mesh : test::degenerate_meshes()) {
-    Cloud cloud;  // as many points as a scan has, in few places
+    Cloud cloud;  // as many points as a scan, at few positions
     for (std::size_t i = 0; i < 600; ++i)
       cloud.points.push_back(mesh.cloud.points[i % mesh.cloud.points.size()]);
     for (const Eigen::Vector3d& viewpoint :
@@ -70,7 +70,7 @@ TEST(DegenerateScene, IsPreparedOrRefusedWhateverItsPoints) {
   }
 }
 
-/// Pairs of points that are looked at where normals are fitted to windows of this radius [spacings].
+/// The number of point pairs visited when normals are fitted to windows of this radius [spacings].
 std::size_t num_neighbors(const engine::PreparedScene& scene, float radius) {
   const kernels::VoxelHash grid(scene.points, radius * scene.spacing);
   std::size_t pairs = 0;
@@ -79,8 +79,8 @@ std::size_t num_neighbors(const engine::PreparedScene& scene, float radius) {
   return pairs;
 }
 
-// Faces that lie on one another were sampled once for each, and every sample had as many neighbors
-// as there were faces.
+// Coincident faces were once sampled separately, and every sample had as many neighbors as there
+// were faces.
 TEST(DegenerateScene, OfManyLayersIsNoMoreWorkThanItsFile) {
   for (const auto& make : {test::layered_tetrahedron, test::shifted_tetrahedra}) {
     std::size_t bytes_of_few = 0, bytes_of_many = 0;
@@ -117,7 +117,7 @@ TEST(DegenerateScene, MeasuresNothingByVerticesOfNoFace) {
   EXPECT_EQ(after->points.size(), before->points.size());
 }
 
-// Scans of both halves of a sensor's exposure, or joined with themselves, hold all points twice.
+// Scans of both halves of a sensor's exposure, or joined with themselves, contain all points twice.
 TEST(DegenerateScene, OfAllPointsTwiceIsAsOfAllPointsOnce) {
   static const test::Shape bracket = test::bracket();
   Cloud scan =

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::array<std::uint32_t, 2> kModels{0, 1};
 
-/// Two parts of one sampling step, and a scan of both.
+/// Two parts with the same sampling step, and a scan of both.
 class FindHypotheses : public testing::Test {
  protected:
   static void SetUpTestSuite() {

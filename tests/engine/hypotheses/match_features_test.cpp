@@ -16,7 +16,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Two parts that share a resolution, and a scan of both.
+/// Two parts with the same resolution, and a scan of both.
 class MatchFeatures : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -47,7 +47,7 @@ class MatchFeatures : public testing::Test {
     });
     return static_cast<double>(right) / static_cast<double>(matches.matches.size());
   }
-  /// Of each model, how many hypotheses are right.
+  /// The number of right hypotheses for each model.
   static std::array<std::ptrdiff_t, 2> count_right(const MatchOptions& options) {
     const auto found = hypotheses_of(match(options), scene_, {}, 2, options.grouping);
     std::array<std::ptrdiff_t, 2> right{};

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kStride = 64;
 
-/// Codes in clusters, as features are.
+/// Clustered codes, like those of real features.
 Column<std::uint8_t> clustered(test::Random& random, std::size_t n, std::size_t num_clusters) {
   Column<std::uint8_t> centers(num_clusters * kStride), codes;
   for (std::uint8_t& c : centers) c = static_cast<std::uint8_t>(60 + random.below(136));
@@ -27,7 +27,7 @@ Column<std::uint8_t> clustered(test::Random& random, std::size_t n, std::size_t 
   return codes;
 }
 
-/// An index over codes, with these in the order of its lists.
+/// An index over codes, with the codes in the order of its lists.
 struct Indexed {
   explicit Indexed(std::span<const std::uint8_t> codes) : lists(build_code_lists(codes, kStride)) {
     order.resize(lists.list.size());
@@ -42,7 +42,7 @@ struct Indexed {
     return {kStride, lists.centroids, lists.offsets, in_order};
   }
   CodeLists lists;
-  std::vector<std::uint32_t> order;  // of the codes, list by list
+  std::vector<std::uint32_t> order;  // the codes, list by list
   Column<std::uint8_t> in_order;
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kStride = 64, kNumMany = 2100, kNumCodes = 20'000;
 
-/// Codes that vary in 4 directions more than in all others, as features do.
+/// Codes that vary more in 4 directions than in all others, like those of real features.
 Column<std::uint8_t> random_codes(std::uint32_t seed, std::size_t n) {
   test::Random directions, random(seed);
   std::array<std::array<float, kStride>, 4> axes{};

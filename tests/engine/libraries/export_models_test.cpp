@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Coarse, for speed.
+/// Coarse training, for speed.
 const TrainOptions kFast{.relative_step = 0.1F, .num_samples = 512, .tri_spin_images = false};
 
 class ExportModels : public testing::TestWithParam<LengthUnit> {
@@ -42,7 +42,7 @@ class ExportModels : public testing::TestWithParam<LengthUnit> {
     EXPECT_TRUE(report) << report.error().message;
     return *open_library(request.file);
   }
-  /// What trivet train makes of the files.
+  /// The library that `trivet train` makes of the files.
   Library trained_from(const std::vector<fs::path>& files, const fs::path& target) const {
     TrainRequest request{{}, GetParam(), kFast, target};
     for (const fs::path& file : files) {
@@ -63,8 +63,8 @@ class ExportModels : public testing::TestWithParam<LengthUnit> {
   Library library_;
 };
 
-/// Surfaces below a folder by their paths in it. Beside them symmetries are told in digits, and made
-/// motions of again when they are read.
+/// The surfaces below a folder by their relative paths. Symmetries beside them are written as
+/// decimals and orthonormalized again when they are read.
 std::map<std::string, std::string> surfaces(const fs::path& folder) {
   std::map<std::string, std::string> out;
   for (const auto& entry : fs::recursive_directory_iterator(folder))

@@ -16,7 +16,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Three models, two of which share a resolution, in a file with its index.
+/// Three models, two with the same resolution, in a file with its index.
 class IndexFeatures : public test::LibraryTest {
  protected:
   IndexFeatures() {
@@ -93,7 +93,7 @@ TEST_F(IndexFeatures, HoldsEachListByModelsAndRows) {
       }
       return best;
     };
-    // The lists of the obvious way: features by model and row, each put at the end of its list.
+    // The lists built naively: features by model and row, each appended to its list.
     std::vector<std::vector<std::pair<std::uint32_t, Eigen::Vector3f>>> expected(num_lists);
     std::map<std::pair<std::uint32_t, float>, std::size_t> list_of;  // by model and keypoint
     for (std::size_t i = 0; i < level.size(); ++i)
@@ -127,7 +127,7 @@ TEST_F(IndexFeatures, MakesTheSameFileFromPiecesOfAnySize) {
   std::vector<Model> few(models_);
   few.resize(1);
   write(file(), few);
-  write(folder() / "pieces.h5", few, 1);  // feature by feature
+  write(folder() / "pieces.h5", few, 1);  // one feature at a time
   EXPECT_TRUE(test::read_bytes(folder() / "pieces.h5") == test::read_bytes(file()));
 }
 

@@ -12,7 +12,7 @@
 namespace trivet::engine {
 namespace {
 
-/// A bracket, the same with a shorter fin and moved, and a part that is like neither.
+/// A bracket, a moved bracket with a shorter fin, and a part that resembles neither.
 class FindLookAlikes : public testing::Test {
  protected:
   static test::Shape like_the_bracket() {

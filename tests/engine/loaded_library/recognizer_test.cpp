@@ -26,7 +26,7 @@ TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
   EXPECT_EQ(std::set(surfaces.begin(), surfaces.end()).size(), 1U);
 }
 
-// Seen from everywhere, the discs of a model without faces lie where its faces would.
+// The discs of a model without faces lie where its faces would, seen from every direction.
 TEST(Recognizer, StandsDiscsOnSamplesWhereThereAreNoFaces) {
   Library library = one_model(test::cloud_of(test::bracket()));
   const float spacing = library.models[0].sample_spacing;

@@ -25,7 +25,7 @@ TEST(DefaultScore, IsThatOfItsFile) {
   EXPECT_EQ(score.weights, expected.weights);
 }
 
-// So a fit to the same detections leaves the file as it is.
+// Thus a fit to the same detections leaves the file unchanged.
 TEST(ScoreFile, WritesWhatItReads) {
   const std::string text = test::read_bytes(test::kFittedScore);
   const Result<FittedScore> score = parse(text);

@@ -44,7 +44,7 @@ TEST(SurfaceCache, GivesBackWhatWasAskedForTheLongestAgo) {
   get(1);
   get(2);
   get(1);
-  get(3);  // 2 goes
+  get(3);  // evicts 2
   get(1);
   EXPECT_EQ(made, (std::vector<std::uint32_t>{1, 2, 3}));
   get(2);

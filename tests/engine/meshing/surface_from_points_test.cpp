@@ -37,7 +37,7 @@ double share(std::size_t part, std::size_t all) {
   return static_cast<double>(part) / static_cast<double>(all);
 }
 
-/// The share of the triangles that face a viewpoint.
+/// The fraction of triangles that face a viewpoint.
 double share_facing(const Cloud& mesh, const Vector3f& viewpoint) {
   std::size_t num = 0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -80,7 +80,8 @@ TEST(SurfaceFromPoints, CoversAScanByItsPixelsAndByItsPointsAlike) {
     EXPECT_LT(surface->open_share, 0.05);
     EXPECT_GT(share_facing(surface->mesh, Vector3f::Zero()), 0.99);
     EXPECT_TRUE(surface->warning.empty()) << surface->warning;
-    reference::count_open_edges(surface->mesh.triangles);  // expects each edge once a side
+    reference::count_open_edges(
+        surface->mesh.triangles);  // fails where a side of an edge has two triangles
   }
 }
 
@@ -174,8 +175,9 @@ TEST(SurfaceFromPoints, CoversRealScans) {
     EXPECT_GT(share(surface.num_used, n), 0.97);
     EXPECT_GT(share(surface.mesh.triangles.size(), n), scan.triangles_per_point);
     EXPECT_LT(surface.open_share, scan.open_share);
-    if (n > 100000) continue;                             // the reference takes its time
-    reference::count_open_edges(surface.mesh.triangles);  // expects each edge once a side
+    if (n > 100000) continue;  // the reference is slow
+    reference::count_open_edges(
+        surface.mesh.triangles);  // fails where a side of an edge has two triangles
   }
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint32_t kWidth = 640, kHeight = 480;
 const Camera kCamera{600, 600, 319.5, 239.5, 1};
 
-/// A wall 2 m ahead as a depth image.
+/// A depth image of a wall 2 m away.
 Cloud wall() {
   Cloud cloud;
   cloud.camera = kCamera;
@@ -94,7 +94,7 @@ TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
   EXPECT_EQ(pixel(outlined->overlaid, 254, 240), (std::array{0, 255, 0}));
 }
 
-// A nearer cube hides the middle and the right of the farther one's box.
+// A nearer cube hides the center and the right of the farther cube's box.
 TEST(DrawScene, PutsLabelsOnWhatIsSeen) {
   const EvaluationMesh model = cube();
   FilePose near = ahead(0.8F), far = ahead(1);
@@ -111,7 +111,7 @@ TEST(DrawScene, PutsLabelsOnWhatIsSeen) {
   EXPECT_NEAR(before.label_y, (before.top + before.bottom) / 2, 0.02);
 }
 
-// Nothing is seen of a cube behind the wall: its label has the middle of where it is drawn.
+// A cube behind the wall is invisible: its label is at the center of its drawn outline.
 TEST(DrawScene, PutsLabelsOfHiddenModelsIntoTheirMiddle) {
   const EvaluationMesh model = cube();
   const std::array overlays{Overlay{&model, ahead(4), kGreen, kOrange, true}};

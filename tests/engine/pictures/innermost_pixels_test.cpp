@@ -9,7 +9,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Steps from a pixel to the nearest of another label or beyond the border.
+/// Steps from a pixel to the nearest pixel with another label or beyond the border.
 std::size_t depth_of(std::span<const std::uint32_t> labels, std::size_t width, std::size_t pixel) {
   const auto w = static_cast<std::ptrdiff_t>(width),
              h = static_cast<std::ptrdiff_t>(labels.size() / width),

@@ -43,7 +43,8 @@ TEST(ImprovementSet, HoldsWhatWasPutIn) {
   }
 }
 
-/// Two brackets and a lever before a wall, the depth noisy and wavy, and what is found in all.
+/// Two brackets and a lever in front of a wall, the depth noisy and wavy, and the poses found with
+/// all improvements.
 class WithoutImprovement : public testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -77,7 +78,7 @@ class WithoutImprovement : public testing::Test {
     EXPECT_TRUE(result) << result.error().message;
     return std::move(*result);
   }
-  /// What of a result is the same in each run.
+  /// The values of a result that are equal in every run.
   static std::vector<double> fingerprint(const SceneResult& result) {
     const SceneStats& s = result.stats;
     std::vector<double> out;
@@ -97,8 +98,8 @@ class WithoutImprovement : public testing::Test {
   static inline SceneResult whole_;
 };
 
-// Where the wall does not vote, no pose leans on it, and these parts have no alternatives:
-// `background` and `alternatives` have their own tests.
+// Without votes from the wall, no pose depends on it, and these parts have no alternatives:
+// `background` and `alternatives` have separate tests.
 TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
   for (const Improvement improvement : all_improvements()) {
     if (improvement == Improvement::background || improvement == Improvement::alternatives)
@@ -113,7 +114,7 @@ TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
   RecognizeOptions options;
   options.pose.rounds = 0;
   options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F}).cast<double>()}};
-  options.ablated = {Improvement::contour};  // which the wall runs on beyond
+  options.ablated = {Improvement::contour};  // the wall continues beyond it
   const auto known = recognize(recognizer_, scene_, {}, options);
   options.ablated.insert(Improvement::background);
   const auto unknown = recognize(recognizer_, scene_, {}, options);
@@ -153,7 +154,7 @@ TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
   EXPECT_LT(best, 0.2F);
 }
 
-// As far as the thesis goes: the strongest poses by votes alone, whose shares add up to 1 at most.
+// The method of the thesis: the strongest poses by votes alone, with shares that sum to at most 1.
 TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
   ImprovementSet all;
   for (const Improvement improvement : all_improvements()) all.insert(improvement);
@@ -166,7 +167,7 @@ TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
   }
 }
 
-// Samples stand for rays: what they meet fills the same numbers.
+// Samples replace rays and fill the same counts.
 TEST_F(WithoutImprovement, FindsTheSamePartsBySamplesWhereNoRaysAreShot) {
   const auto result = recognize(recognizer_, scene_, {}, {.ablated = {Improvement::rays}});
   ASSERT_TRUE(result) << result.error().message;

@@ -24,7 +24,7 @@ class ExplainPlace : public test::TwoParts {
       if (one.model == model) return &one;
     return nullptr;
   }
-  /// On the top of a bracket's pillar, and on a lever's arm.
+  /// The top of a bracket's pillar, and a point on a lever's arm.
   static Eigen::Vector3d on_bracket(const Pose& pose) {
     return (pose * Eigen::Vector3f(-0.05F, -0.015F, 0.11F)).cast<double>();
   }

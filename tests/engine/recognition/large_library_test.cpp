@@ -13,7 +13,8 @@
 namespace trivet::engine {
 namespace {
 
-/// A library of look-alikes: brackets and levers of many proportions, of which two are in the scan.
+/// A library of similar parts, brackets and levers of many proportions, two of which are in the
+/// scan.
 class LargeLibrary : public testing::Test {
  protected:
   static constexpr std::size_t kNumShapes = 32;
@@ -68,7 +69,7 @@ class LargeLibrary : public testing::Test {
   static inline Cloud scan_;
 };
 
-// One test, since each trains the library anew.
+// A single test, because each would train the library again.
 TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
   const SceneResult within = found({.budget = kHalf});
   expect_both(within);

@@ -1,4 +1,5 @@
-// The whole way from files to poses on real scans with known truth, one set of defaults for all.
+// The complete pipeline from files to poses on real scans with ground truth, with one set of
+// defaults.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -65,14 +66,15 @@ INSTANTIATE_TEST_SUITE_P(
                     DataSet{"bologna", "bologna_retrieval/manifest.json", 15, 15, 0},
                     DataSet{"kinect_bunny", "kinect_bunny/manifest.json", 18, 18, 0},
                     DataSet{"linemod", "linemod/manifest.json", 1, 1, 0},
-                    // The mug's handle is behind it: found, turned to where the scan cannot tell.
+                    // The mug's handle is behind it: the mug is found with a rotation that the scan
+                    // cannot determine.
                     DataSet{"ycbv", "ycbv/manifest.json", 3, 2, 1},
                     DataSet{"clutter_bin", "clutter_bin/manifest.json", 90, 88, 1},
                     DataSet{"clutter_table", "clutter_table/manifest.json", 67, 63, 1},
                     DataSet{"icbin_cups", "icbin_cups/manifest.json", 23, 15, 0},
                     DataSet{"ycb_realsense", "ycb_realsense/manifest.json", 14, 10, 1},
                     DataSet{"ycbv_demo_xtion", "ycbv_demo_xtion/manifest.json", 11, 9, 1},
-                    // Bins that hold more than their truth lists.
+                    // Bins that contain more instances than their ground truth lists.
                     DataSet{"pipe_elbows", "pipe_elbows/manifest.json", 21, 18, 6},
                     DataSet{"pipe_straight", "pipe_straight/manifest.json", 3, 3, 1},
                     DataSet{"linemod_can", "linemod_can/manifest.json", 1, 1, 0},

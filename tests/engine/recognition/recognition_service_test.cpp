@@ -1,4 +1,5 @@
-/// The queue of the service: what is taken, refused, stopped and answered, and by which library.
+/// The queue of the service: which jobs are accepted, refused, stopped and answered, and with which
+/// library.
 #include "engine/recognition/recognition_service.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ ServiceJob job(Work work, std::size_t num_parts = 1) {
   return out;
 }
 
-/// What a job comes to.
+/// The outcome of a job.
 std::future<ServiceOutcome> submit(RecognitionService& service, ServiceJob job) {
   auto promise = std::make_shared<std::promise<ServiceOutcome>>();
   std::future<ServiceOutcome> outcome = promise->get_future();
@@ -48,7 +49,7 @@ Refusal refusal_of(std::future<ServiceOutcome> outcome) {
 
 Result<void> nothing(std::size_t, const LibraryGeneration&, const std::stop_token&) { return {}; }
 
-/// Keeps workers busy until it is opened.
+/// Blocks workers until it is opened.
 struct Gate {
   std::latch opened{1};
   std::latch reached;
@@ -131,7 +132,7 @@ TEST(RecognitionService, RefusesInTheQueueWhatItsDeadlineOvertakes) {
     return Result<void>();
   });
   late.deadline = ServiceClock::now() + milliseconds(50);
-  // Before its turn has come: the only worker is busy.
+  // The deadline passes before the job starts, because the only worker is busy.
   EXPECT_EQ(refusal_of(submit(service, std::move(late))), Refusal::too_late);
   ServiceJob passed = job(nothing);
   passed.deadline = ServiceClock::now();
@@ -163,7 +164,7 @@ TEST(RecognitionService, RefusesWhatItCouldNotAnswerInTime) {
   gate.opened.count_down();
   EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(patient.get()));
   (void)running.get();
-  // With a free worker it is tried, whatever the mean says.
+  // With a free worker the job is tried, whatever the mean duration.
   while (service.state().num_running > 0) std::this_thread::sleep_for(milliseconds(1));
   EXPECT_TRUE(std::holds_alternative<ServiceAnswer>(with_deadline(10, 1).get()));
 }
@@ -249,7 +250,7 @@ TEST(RecognitionService, AnswersWhatItTookBeforeItCloses) {
   gate.reached.wait();
   for (int i = 0; i < 5; ++i) outcomes.push_back(submit(service, job(nothing)));
   std::thread opener([&] {
-    // What comes once it drains is refused; what came before is among what it answers.
+    // Jobs submitted after draining begins are refused; earlier ones are answered.
     for (bool is_closed = false; !is_closed;) {
       auto outcome = submit(service, job(nothing));
       is_closed = outcome.wait_for(milliseconds(1)) == std::future_status::ready &&
@@ -311,7 +312,7 @@ TEST(RecognitionService, AnswersAtTheDeadlineThoughThePartGoesOn) {
   EXPECT_EQ(service.state().num_bytes, 100U);
   EXPECT_FALSE(second.expired());
   EXPECT_FALSE(memory.expired());
-  // Another request waits for the worker, and is answered in time, too.
+  // Another request waits for the worker, and is also answered in time.
   ServiceJob next = job(nothing);
   next.deadline = ServiceClock::now() + milliseconds(50);
   EXPECT_EQ(refusal_of(submit(service, std::move(next))), Refusal::too_late);

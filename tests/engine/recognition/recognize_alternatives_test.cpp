@@ -13,10 +13,10 @@
 namespace trivet {
 namespace {
 
-/// What fits alike, and how sure it is.
+/// Alternative poses that fit equally well, and the confidence in a pose.
 class RecognizeAlternatives : public test::TwoParts {};
 
-// What is scored is where the pose settles, not where it started.
+// The score belongs to the refined pose, not to its initial pose.
 TEST_F(RecognizeAlternatives, SettlesToOneResultFromADozenStarts) {
   test::Random random;
   Cloud scan = clutter();
@@ -38,7 +38,7 @@ TEST_F(RecognizeAlternatives, SettlesToOneResultFromADozenStarts) {
   }
 }
 
-// A block with a knob at one end, which something hides: it may as well lie the other way round.
+// A block with a knob at one end, which is hidden: it may as well lie the other way round.
 TEST_F(RecognizeAlternatives, NamesThePosesThatFitAlike) {
   test::Shape key = test::box({-0.1F, -0.03F, -0.02F}, {0.1F, 0.03F, 0.02F});
   key.join(test::box({0.07F, -0.02F, 0.02F}, {0.09F, 0.02F, 0.04F}));
@@ -71,7 +71,7 @@ TEST_F(RecognizeAlternatives, NamesThePosesThatFitAlike) {
       << "that the key is there is as sure as it looks";
 }
 
-// A plank whose ends are hidden may lie farther on: no symmetry of it says so.
+// A plank with hidden ends may be shifted along itself, although it has no such symmetry.
 TEST_F(RecognizeAlternatives, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
   const test::Shape plank = test::box({-0.15F, -0.03F, -0.02F}, {0.15F, 0.03F, 0.02F});
   const Recognizer recognizer(test::trained_library({{"plank", &plank}}));
@@ -104,7 +104,7 @@ TEST_F(RecognizeAlternatives, IsLessSureOfWhatMayLieOtherwiseInItsPlace) {
       engine::scale_odds(kernels::pose_probability(recognizer.score(), ambiguous.parts), 0.4F));
 }
 
-// A mug looks alike under any turn but for its handle.
+// A mug is rotationally symmetric except for its handle.
 TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHidden) {
   test::Shape mug = test::prism(60, test::circle(0.04), -0.05, 0.05, 0.035, 0.9);
   mug.join(test::box({0.036F, -0.006F, -0.025F}, {0.065F, 0.006F, 0.025F}));
@@ -158,7 +158,7 @@ TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHid
   EXPECT_EQ(unambiguous.pose_share, 1);
   EXPECT_FALSE(unambiguous.turns);
 
-  // Whoever needs the very pose is not given it; the mug alone is there.
+  // Requests that require a unique pose get none; the mug alone is present.
   const auto with = [&](float turn, bool require_pose) {
     const auto result =
         recognize(recognizer, scan_of(turn), {},

@@ -13,7 +13,7 @@
 namespace trivet {
 namespace {
 
-/// Scenes of all kinds, units and frames, and what bounds the search.
+/// Scenes of all kinds, units and frames, and the limits of the search.
 class RecognizeScenes : public test::TwoParts {};
 
 TEST_F(RecognizeScenes, TakesAMovedMeshAsAClosedSurface) {
@@ -24,7 +24,7 @@ TEST_F(RecognizeScenes, TakesAMovedMeshAsAClosedSurface) {
   expect_pose(find(*result, "lever"), motion, 0.2F);
 }
 
-// Its border is short beside its many faces, as that of a closed surface.
+// Its border is short relative to its many faces, like that of a closed surface.
 TEST_F(RecognizeScenes, FindsInATriangulatedScanWhatItFindsInThePoints) {
   const Result<Surface> surface = surface_from_points(clutter(), "scan");
   ASSERT_TRUE(surface) << surface.error().message;
@@ -78,7 +78,7 @@ TEST_F(RecognizeScenes, TestsExpectedPosesWithoutVoting) {
   EXPECT_EQ(both->detections.size(), 2U) << "voting finds what was not expected";
 }
 
-/// Points alone, as of a scan whose coordinates are far from zero.
+/// Points without a grid, as in a scan whose coordinates are far from zero.
 TEST_F(RecognizeScenes, SpeaksOfTheFilesFrameFarFromZero) {
   Cloud near;
   near.points = clutter().points;
@@ -108,7 +108,7 @@ TEST_F(RecognizeScenes, SpeaksOfTheFilesFrameFarFromZero) {
   expect_pose(find(*limited, "bracket"), bracket_pose(), 0.2F);
 
   const auto blind = recognize(recognizer_, far, {}, {});
-  ASSERT_FALSE(blind) << "from the file's origin, floats cannot tell the points apart";
+  ASSERT_FALSE(blind) << "from the file's origin, floats cannot distinguish the points";
   EXPECT_NE(blind.error().message.find("--viewpoint"), std::string::npos);
   Cloud placed = far;
   placed.viewpoint = Eigen::Vector3f(0, 0, 0);
@@ -150,7 +150,7 @@ TEST_F(RecognizeScenes, RefusesUnusableScenesAndOptions) {
 
 TEST_F(RecognizeScenes, SurvivesDegenerateScenes) {
   for (const auto& make : std::vector<std::function<Eigen::Vector3f(int)>>{
-           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },  // one place
+           [](int) { return Eigen::Vector3f(0.1F, 0.1F, 1); },  // one position
            [](int i) { return Eigen::Vector3f(0.001F * static_cast<float>(i), 0, 1); },  // a line
            [](int) { return Eigen::Vector3f(0, 0, 0); },  // the viewpoint itself
            [](int i) {
@@ -219,7 +219,7 @@ TEST_F(RecognizeScenes, TakesManyScenesInOrder) {
   EXPECT_EQ(refused.error().code, ErrorCode::usage);
 }
 
-// What a sensor measures where there is nothing: a few pixels at the end of its range of numbers.
+// Where there is no surface, a sensor gives a few pixels at the end of its numeric range.
 TEST_F(RecognizeScenes, LeavesOutPointsFarBeyondAllOthers) {
   const Cloud scan = clutter();
   Cloud stray = scan;

@@ -14,7 +14,7 @@
 namespace trivet {
 namespace {
 
-/// What is found, and what is not.
+/// Which parts are found, and which are not.
 class Recognize : public test::TwoParts {};
 
 TEST_F(Recognize, FindsOccludedPartsInClutterAndNothingElse) {
@@ -133,7 +133,7 @@ TEST_F(Recognize, TellsWhatItRejectedWhereItIsAsked) {
       EXPECT_TRUE(apart.translation > 0.01F || apart.rotation_rad > 0.2F) << "the same place again";
     }
     EXPECT_EQ(rejected.reason == Rejection::too_low, rejected.score < 0.5F);
-    if (rejected.score > 0) {  // else the sensor looked through too much of it
+    if (rejected.score > 0) {  // otherwise the sensor measured through too much of it
       EXPECT_EQ(rejected.score, kernels::pose_probability(recognizer_.score(), rejected.parts));
     }
     if (rejected.explained_by) {
@@ -143,7 +143,7 @@ TEST_F(Recognize, TellsWhatItRejectedWhereItIsAsked) {
   }
 }
 
-// With a limit of one instance the second one is what was rejected, in the file's unit.
+// With a limit of one instance the second is reported as rejected, in the file's unit.
 TEST_F(Recognize, TellsTheInstanceThatIsOneTooMany) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-180, 0, 900});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {180, 20, 950});
@@ -210,7 +210,7 @@ TEST_F(Recognize, FindsNothingWhereNothingWasMeasured) {
   }
 }
 
-/// The scan without the columns of pixels right of that one up to which a share of it was measured.
+/// The scan up to the column of pixels at which it contains this share of the measurements.
 Cloud left_part(const Cloud& scan, double share) {
   const PixelGrid& grid = *scan.grid;
   const auto wanted = static_cast<std::size_t>(share * static_cast<double>(scan.points.size()));

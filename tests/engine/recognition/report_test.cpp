@@ -8,7 +8,7 @@
 namespace trivet::engine {
 namespace {
 
-/// A search of a scene whose file is in tenths of the library's unit.
+/// A search of a scene whose file has a tenth of the library's unit.
 class Report : public testing::Test {
  protected:
   Report() {
@@ -18,7 +18,7 @@ class Report : public testing::Test {
     scene_.sensor.range = 3;
     scene_.images.resize(1);
   }
-  /// Add a detection to what is found. Returns its row.
+  /// Adds a detection to the found poses. Returns its row.
   Row add(std::uint32_t model, SettledPose settled) {
     const Row row = found_.poses.add(model, Source::ppf, Pose::Identity());
     found_.poses.set_settled(row, std::move(settled));

@@ -8,7 +8,7 @@
 namespace trivet::engine {
 namespace {
 
-/// So many models of two sampling steps, with features or not.
+/// A library of this many models with two sampling steps, with or without features.
 Library library_of(std::size_t num_models, bool features = true) {
   Library library;
   if (features) library.basis.components.energies = {1};

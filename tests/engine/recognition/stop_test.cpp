@@ -1,4 +1,4 @@
-/// Recognition that is told to stop, at any of its checks.
+/// Recognition that receives a stop request at any of its checks.
 #include "storage/common/stop.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ namespace {
 std::atomic<std::int64_t> num_checks{0}, stop_at{0}, most_nanoseconds{0};
 std::stop_source stop;
 
-/// Of this thread.
+/// The CPU time of this thread.
 std::int64_t work_nanoseconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -42,7 +42,7 @@ class Stop : public test::TwoParts {
  protected:
   ~Stop() override { observe_stop_checks(nullptr); }
 
-  /// at  the check at which it is told to stop; 0: none
+  /// at  the check at which it receives the stop request; 0: none
   static Result<SceneResult> recognize(std::int64_t at) {
     static const Cloud scene = clutter();
     RecognizeOptions options;
@@ -60,13 +60,13 @@ class Stop : public test::TwoParts {
 };
 
 TEST_F(Stop, EndsWhicheverLookItComesAt) {
-  ASSERT_TRUE(recognize(0));  // what is made once
+  ASSERT_TRUE(recognize(0));  // builds the cached data
   const auto whole = recognize(0);
   ASSERT_TRUE(whole);
   const std::int64_t all = num_checks;
   RecordProperty("checks", static_cast<int>(all));
   RecordProperty("longest_ms", static_cast<int>(most_nanoseconds / 1'000'000));
-  // 50 ms are meant; a loop without a check takes a large part of the whole.
+  // The goal is 50 ms; a loop without a check takes a large part of the total.
   EXPECT_LT(most_nanoseconds, 500'000'000) << "between two checks of a thread";
   const auto num_threads = static_cast<std::int64_t>(std::thread::hardware_concurrency());
   std::int64_t num_stopped = 0;
@@ -78,7 +78,7 @@ TEST_F(Stop, EndsWhicheverLookItComesAt) {
     ++num_stopped;
   }
   EXPECT_GT(num_stopped, 15);
-  // Nothing half made is left behind.
+  // No partial state is left behind.
   const auto after = recognize(0);
   ASSERT_TRUE(after);
   ASSERT_EQ(after->detections.size(), whole->detections.size());
@@ -115,7 +115,7 @@ TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
     EXPECT_THROW(engine::for_each_index(1000,
                                         [&](std::size_t i) {
                                           if (i == 500) throw std::bad_alloc();
-                                          // A loop within is gone through to its end all the same.
+                                          // A nested loop still runs to its end.
                                           std::atomic<int> inner{0};
                                           engine::for_each_index(8, [&](std::size_t) { ++inner; });
                                           num_whole += inner == 8;
@@ -126,7 +126,7 @@ TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
     source.request_stop();
     EXPECT_THROW(engine::for_each_index(100, [](std::size_t) {}), Stopped);
   }
-  engine::for_each_index(100, [](std::size_t) {});  // of whoever has no token
+  engine::for_each_index(100, [](std::size_t) {});  // of callers without a token
 }
 
 }  // namespace

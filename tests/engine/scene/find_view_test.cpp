@@ -18,8 +18,8 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-/// Parts before a wall, scanned from the origin, with triangles between neighboring pixels: a mesh
-/// with hardly any border.
+/// Parts in front of a wall, scanned from the origin, with triangles between neighboring pixels: a
+/// mesh with a very short border.
 Cloud triangulated_scan() {
   static const test::Shape bracket = test::bracket(), wall = test::box({-1, -1, 0}, {1, 1, 0.1F});
   const Cloud scan =
@@ -37,7 +37,7 @@ Cloud triangulated_scan() {
 /// A closed surface whose triangles share their corners.
 Cloud closed_surface() {
   const test::Shape shape = test::ellipsoid({0.1F, 0.02F, 0.015F}, 24);
-  std::map<std::array<long, 3>, std::uint32_t> known;  // to hundredths of a millimeter
+  std::map<std::array<long, 3>, std::uint32_t> known;  // rounded to hundredths of a millimeter
   Cloud cloud;
   const auto welded = [&](std::uint32_t corner) {
     const Vector3f p = shape.vertices[corner], grid = 1e5F * p;
@@ -124,7 +124,7 @@ TEST(FindView, AssumesTheOriginForPoints) {
   expect_view(find_view(points, {}), SceneKind::points, ViewSource::assumed, Vector3d::Zero());
 }
 
-// The far place that the faces turn to is told in the file's frame.
+// The distant viewpoint that the faces point to is reported in the file's frame.
 TEST(FindView, TellsAViewOfFacesFarFromZero) {
   Cloud scan = triangulated_scan();
   scan.offset = {4e5, 5.4e6, 0};

@@ -18,7 +18,7 @@ namespace {
 constexpr float kStep = 0.008F;
 constexpr float kDiameter = 0.2F;
 
-/// Two parts side by side: a sensor's scan has one image, a closed surface six.
+/// Two parts side by side: a sensor's scan has one depth image, a closed surface has six.
 Cloud two_parts() {
   static const test::Shape bracket = test::bracket(), lever = test::lever();
   return test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0, 0.9F})},
@@ -39,7 +39,7 @@ std::size_t num_pixels(const engine::PreparedScene& scene) {
   return sum;
 }
 
-/// The depths that the images measured where a point falls, less its own.
+/// The depths measured by the images at the projection of a point, minus the point's depth.
 std::vector<float> depth_differences(const engine::PreparedScene& scene,
                                      std::span<const std::uint8_t> marked,
                                      const Eigen::Vector3f& point) {
@@ -60,7 +60,7 @@ std::vector<float> depth_differences(const engine::PreparedScene& scene,
   return differences;
 }
 
-/// Indices of the points of `whole` that `part` lacks; `part` keeps the order of `whole`.
+/// Indices of the points of `whole` missing in `part`; `part` keeps the order of `whole`.
 std::vector<std::size_t> missing(PointsView whole, PointsView part) {
   std::vector<std::size_t> lacking;
   std::size_t k = 0;
@@ -97,14 +97,14 @@ void expect_unexplained_points_only(const engine::PreparedScene& scene,
   EXPECT_LT(rest.references.size(), whole.references.size());
 }
 
-/// The parts as a noisy sensor scans them.
+/// The parts as scanned by a noisy sensor.
 Cloud noisy_parts() {
   Cloud cloud = two_parts();
   kernels::add_gaussian_noise(cloud.points, 0.001F, 1, 0, cloud.points);
   return cloud;
 }
 
-/// One less the cosine between the normals of pixels side by side, on average.
+/// The mean of 1 minus the cosine between the normals of adjacent pixels.
 float mean_roughness(const engine::PreparedScene& scene) {
   const kernels::RangeImage& image = scene.images[0];
   double sum = 0, count = 0;
@@ -117,7 +117,7 @@ float mean_roughness(const engine::PreparedScene& scene) {
   return static_cast<float>(sum / count);
 }
 
-// The pixels of noisy_parts() err for themselves.
+// The pixels of noisy_parts() have independent errors.
 TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   const engine::PreparedScene scene = prepare(noisy_parts(), {});
   std::vector<float> ranges;
@@ -192,7 +192,7 @@ TEST(ChooseVoters, TakesMarksOfSeveralImagesOneAfterTheOther) {
   ASSERT_EQ(scene.images.size(), 6U);
   std::vector<std::uint8_t> marked(num_pixels(scene), 0);
   std::size_t first = 0;
-  for (std::size_t k = 0; k < 6; ++k) {  // what the second and the sixth camera see
+  for (std::size_t k = 0; k < 6; ++k) {  // the views of the second and the sixth camera
     const std::size_t size = scene.images[k].depth.size();
     if (k == 1 || k == 5) std::fill_n(marked.begin() + static_cast<std::ptrdiff_t>(first), size, 1);
     first += size;
@@ -200,7 +200,7 @@ TEST(ChooseVoters, TakesMarksOfSeveralImagesOneAfterTheOther) {
   expect_unexplained_points_only(scene, marked);
 }
 
-// What stands before or behind an explained surface is not explained by it.
+// Points in front of or behind an explained surface are not explained by it.
 TEST(ChooseVoters, KeepsPointsAtOtherDepthsThanTheMarkedPixels) {
   engine::PreparedScene scene = prepare(two_parts(), {});
   const engine::SceneLevel whole = choose_voters(scene, {});

@@ -29,7 +29,7 @@ TEST(RivalLogOdds, AreZeroBetweenEquals) { EXPECT_EQ(of_rivals(0.7F, 0.7F, 0), 0
 TEST(RivalLogOdds, RiseWithThePixelsAndTheScore) {
   EXPECT_GT(of_rivals(0.7F, 0.7F, 0.5), 0);
   EXPECT_GT(of_rivals(0.9F, 0.7F, 0), 0);
-  EXPECT_GT(of_rivals(0.7F, 0.9F, 2.5), 0) << "pixels that differ tell more than scores";
+  EXPECT_GT(of_rivals(0.7F, 0.9F, 2.5), 0) << "differing pixels are more informative than scores";
   EXPECT_LT(of_rivals(0.7F, 0.999F, 1), 0);
 }
 

@@ -48,7 +48,7 @@ TEST(OddsInCrowd, AreNumbersAtTheEnds) {
   }
 }
 
-/// Two rods, of which one has a longer pin at its end.
+/// Two rods, one with a longer pin at its end.
 class Siblings : public testing::Test {
  protected:
   static test::Shape rod(float pin) {
@@ -62,9 +62,9 @@ class Siblings : public testing::Test {
     both_ = Recognizer(test::trained_library({{"long", &long_}, {"short", &short_}}));
     one_ = Recognizer(test::trained_library({{"short", &short_}}));
   }
-  /// Tilted, so that the end away from the pin is seen and fixes both along themselves.
+  /// Tilted, so that the end away from the pin is visible and fixes both rods along their axes.
   static Pose pose() { return test::pose_of({0.6F, -0.4F, 0}, {0, 0, 0.7F}); }
-  /// The short one in front of a wall, its pin hidden or not.
+  /// The short rod in front of a wall, with its pin hidden or not.
   static Cloud scan(bool hidden) {
     static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
     static const test::Shape cover = test::box({0.03F, -0.1F, 0.5F}, {0.2F, 0.1F, 0.51F});
@@ -119,7 +119,7 @@ TEST_F(Siblings, ShareByTheirScoresTooWhereManyModelsWereSoughtFor) {
     EXPECT_TRUE(others->weigh(1, settled));
     return settled.pose.score;
   };
-  EXPECT_LT(weighed(Among::few_models), 0.6F) << "the scan does not tell";
+  EXPECT_LT(weighed(Among::few_models), 0.6F) << "the scan does not distinguish them";
   EXPECT_GT(weighed(Among::many_models), 0.75F) << "0.95 is far more than 0.6";
 }
 

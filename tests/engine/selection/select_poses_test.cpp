@@ -16,7 +16,7 @@ struct Tested {
   std::uint32_t model = 0;
   float score = 0;
   std::uint32_t first = 0, num_pixels = 0;  ///< it explains the pixels from `first` on
-  float x = 0;                              ///< its model lies so many diameters aside
+  float x = 0;                              // /< shift of its model in diameters
   std::vector<Pose> alternatives{};
 };
 
@@ -79,7 +79,7 @@ TEST_F(SelectPoses, PrefersTheLargerSurfaceWhereTwoClaimOnePlace) {
 
 TEST_F(SelectPoses, LetsNoPoseThatIsRefusedHideOneThatIsReported) {
   const std::vector<Tested> both{{0, 0.75F, 0, 80}, {1, 0.85F, 0, 8}};
-  // The small one covers little of the large one, which is refused later, by its score.
+  // The small model covers little of the large one, which is refused later because of its score.
   EXPECT_EQ(names(both, {}), (Names{"small", "large"}));
   EXPECT_EQ(names(both, {.min_score = 0.7F}), (Names{"small", "large"})) << "whatever is asked for";
   const std::vector<Tested> stricter{{0, 0.85F, 0, 80}, {1, 0.95F, 0, 8}};
@@ -87,8 +87,7 @@ TEST_F(SelectPoses, LetsNoPoseThatIsRefusedHideOneThatIsReported) {
   EXPECT_EQ(names(stricter, {.min_score = 0.9F}), (Names{"small", "large"}));
 }
 
-// The same two, but the larger one is doubtful: as a pose of a higher rank it would hide the
-// other one.
+// The same two, but the larger one is doubtful: with a higher rank it would hide the other.
 TEST_F(SelectPoses, LetsNoDoubtfulPoseHideAnother) {
   const std::vector<Tested> both{{0, 0.45F, 0, 80}, {1, 0.5F, 0, 8}};
   EXPECT_EQ(names(both, {}), Names{"small"});
@@ -96,7 +95,7 @@ TEST_F(SelectPoses, LetsNoDoubtfulPoseHideAnother) {
   EXPECT_EQ(names(both, {.doubtful_score = 0.46F}), Names{"small"});
 }
 
-// What one place holds is then told by the poses alone, each model for itself, by plain score.
+// Duplicates are then found from the poses alone, within each model, by the plain score.
 TEST_F(SelectPoses, TellsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
   std::vector<Tested> three{{0, 0.55F, 0, 80}, {1, 0.6F, 0, 8}, {0, 0.52F, 90, 5}};
   const engine::SelectOptions options{.by_pixels = false};
@@ -110,7 +109,7 @@ TEST_F(SelectPoses, LeavesOutWhatABetterDoubtfulOneExplains) {
   EXPECT_EQ(names(three, {.doubtful_score = 0.1F}), (Names{"large", "large"}));
 }
 
-// A pose of two that both claim its pixels: the one with more of them is named.
+// Two poses claim the pixels of a third: the one with more of them is named.
 TEST_F(SelectPoses, TellsWhyAPoseIsNotTaken) {
   const std::vector<Tested> all{
       {0, 0.9F, 0, 40}, {1, 0.8F, 40, 40}, {1, 0.7F, 34, 10}, {0, 0.3F, 80, 10}, {1, 0.2F, 0, 10}};
@@ -133,7 +132,7 @@ TEST_F(SelectPoses, TellsWhyAPoseIsNotTaken) {
 }
 
 TEST_F(SelectPoses, CountsAPixelForTheFirstThatExplainsIt) {
-  // The second one covers 10 of the first one's 40 pixels, and then 30 more.
+  // The second pose covers 10 of the first pose's 40 pixels, and then 30 more.
   const std::vector<Tested> all{{0, 0.9F, 0, 40}, {0, 0.8F, 30, 40}, {0, 0.7F, 20, 20}};
   const engine::Selection selection = select(table_of(all), {});
   ASSERT_EQ(selection.refused.size(), 1U);
@@ -141,8 +140,8 @@ TEST_F(SelectPoses, CountsAPixelForTheFirstThatExplainsIt) {
   EXPECT_FLOAT_EQ(selection.refused[0].explained_share, 1);
 }
 
-// The first one was taken and then refused: of what it hid, the second one hides the third, what
-// stands hides the fourth, and the fifth is too low.
+// The first pose was chosen and then refused. Of the poses that it hid, the second hides the third,
+// a remaining pose hides the fourth, and the fifth scores too low.
 TEST_F(SelectPoses, TakesWhatOnlyARefusedOneHid) {
   const std::vector<Tested> all{{0, 0.97F, 0, 60},  {1, 0.92F, 0, 30}, {1, 0.9F, 0, 20},
                                 {1, 0.93F, 50, 20}, {1, 0.7F, 30, 10}, {0, 0.96F, 60, 40}};
@@ -185,7 +184,7 @@ TEST_F(SelectPoses, TellsWhatIsOneTooMany) {
   EXPECT_EQ(refused.size(), 2U);
 }
 
-/// Poses of one table: the refused ones first, then the detections.
+/// Poses of one table: first the refused ones, then the detections.
 class BestRefused : public SelectPoses {
  protected:
   Rows best(std::vector<Tested> refused_poses, const std::vector<Tested>& detected,

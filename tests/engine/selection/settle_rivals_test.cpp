@@ -13,7 +13,7 @@
 namespace trivet::engine {
 namespace {
 
-/// Two rods of which one has a longer pin, and a scan of the short one.
+/// Two rods, one with a longer pin, and a scan of the short one.
 class SettleRivals : public testing::Test {
  protected:
   static test::Shape rod(float pin) {
@@ -36,7 +36,7 @@ class SettleRivals : public testing::Test {
     std::uint32_t model = 0;
     float score = 0;
   };
-  /// What becomes of a selection in which the first pose hides the second.
+  /// The settled selection in which the first pose hides the second.
   static Selection settled(const std::array<Found, 2>& found) {
     PoseTable table;
     for (const auto& [model, score] : found)

@@ -1,5 +1,5 @@
-/// What a BOP data set tells of its objects, beside the formulas of the benchmark's own scripts,
-/// written anew: pixel after pixel, over an image and the eight of its size around it.
+/// Compares the object information of a BOP data set with the formulas of the benchmark's scripts,
+/// reimplemented here: pixel by pixel, over an image and the eight of its size around it.
 #include "engine/simulation/bop_truth.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ Vector3d ray_of(int u, int v) {
   return {(u - camera().cx) / camera().fx, (v - camera().cy) / camera().fy, 1};
 }
 
-/// Depth of the box along the optical axis; 0: the pixel's ray passes it by.
+/// Depth of the box along the optical axis; 0: the pixel's ray misses it.
 double box_depth(int u, int v, const Pose& pose) {
   const Eigen::Isometry3d into(pose.cast<double>().inverse());
   const Vector3d origin = into.translation(), direction = into.linear() * ray_of(u, v);
@@ -94,8 +94,7 @@ Pose pose_at(float x, float y, float z) {
   return pose;
 }
 
-/// A wall that stands before, close behind, and far behind an object 400 mm away, in stripes, with
-/// holes.
+/// A wall in front of, close behind, and far behind an object at 400 mm, in stripes, with holes.
 std::vector<std::uint16_t> striped_wall() {
   std::vector<std::uint16_t> depths;
   for (int i = 0; i < kWidth * kHeight; ++i) {
@@ -134,7 +133,7 @@ class BopTruth : public testing::Test {
 
 TEST_F(BopTruth, AgreesWithTheFormulasOfTheBenchmark) {
   const auto depths = striped_wall();
-  // In the middle; over the left border; over the lower right corner.
+  // At the center; across the left border; across the lower right corner.
   for (const Pose& pose : {pose_at(0, 0, 400), pose_at(-200, 10, 400), pose_at(205, 160, 400)}) {
     const Expected expected = expect(pose, depths);
     describe(pose, depths);

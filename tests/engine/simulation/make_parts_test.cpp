@@ -47,7 +47,7 @@ bool same(const Part& a, const Part& b) {
          a.triangles.b == b.triangles.b && a.triangles.c == b.triangles.c && a.metal == b.metal;
 }
 
-/// The declared motions, and some turns about a declared axis.
+/// The declared symmetry motions, and some rotations about a declared axis.
 std::vector<Pose> motions(const Symmetry& symmetry) {
   std::vector<Pose> out = symmetry.poses;
   if (symmetry.axis) {
@@ -72,7 +72,7 @@ TEST(MakeParts, EveryPartIsOneClosedManifoldWoundOutward) {
 TEST(MakeParts, HolesAreThroughAndNoneIsExtra) {
   for (std::size_t i = 0; i < kNumParts; ++i) {
     kernels::CounterRandom random(kSeed, family(i).stream, i / engine::parts::families().size());
-    random.uniform();  // the diameter
+    random.uniform();  // skips the draw of the diameter
     const auto design = family(i).draw(random);
     EXPECT_EQ(reference::euler_characteristic(mesh_of(parts()[i])),
               2 - 2 * static_cast<int>(design.num_tunnels))
@@ -97,7 +97,7 @@ TEST(MakeParts, TheDeclaredMotionsMapThePartOntoItself) {
   }
 }
 
-/// What training would find.
+/// The symmetry that training finds.
 Symmetry found_symmetry(const Part& part, float diameter) {
   constexpr std::size_t kNumSamples = 3000;
   std::vector<double> sums(part.triangles.size());
@@ -109,8 +109,8 @@ Symmetry found_symmetry(const Part& part, float diameter) {
   return kernels::find_symmetry(surface, kernels::TurnScreen(surface));
 }
 
-// That none is missing. Teeth are fine beside the samples: of gears, which have the most motions,
-// some are not found.
+// Checks that no symmetry is missing. Teeth are small relative to the sample spacing: for gears,
+// which have the most motions, some are not found.
 TEST(MakeParts, NoSymmetryIsFoundThatIsNotDeclared) {
   std::size_t num_missed = 0;
   for (std::size_t i = 0; i < kNumParts; ++i) {
@@ -224,7 +224,7 @@ TEST(MakeParts, GivesTheSameBytesOnOneThread) {
   for (std::size_t i = 0; i < serial.size(); ++i) EXPECT_TRUE(same(serial[i], parallel[i])) << i;
 }
 
-/// Two of each family of a household.
+/// Two parts of each family of household objects.
 const std::vector<Part>& household() {
   static const std::vector<Part> all =
       make_parts(2 * household_families().size(), kSeed, std::vector<std::string>{kHousehold});
@@ -239,7 +239,7 @@ TEST(MakeParts, ThingsOfAHouseholdAreClosedAndHaveTheHolesThatTheyDeclare) {
     const engine::parts::Family& own = families[i % families.size()];
     EXPECT_EQ(part.name, std::string(own.name) + "_" + std::to_string(i / families.size()));
     kernels::CounterRandom random(kSeed, own.stream, i / families.size());
-    random.uniform();  // the diameter
+    random.uniform();  // skips the draw of the diameter
     const auto design = own.draw(random);
     EXPECT_EQ(design.hollow.has_value(), !part.hollow.triangles.empty());
     for (const Mesh& mesh : {mesh_of(part), part.hollow}) {

@@ -29,7 +29,7 @@ Shape sheet(const Eigen::Vector3f& a, const Eigen::Vector3f& b, const Eigen::Vec
   return out;
 }
 
-/// A plane that meets the optical axis at `z`, turned about the camera's y.
+/// A plane that meets the optical axis at `z`, rotated about the camera's y axis.
 Shape plane(double z, double angle) {
   Pose pose = Pose::Identity();
   pose.linear() =
@@ -67,13 +67,13 @@ Vector3d ray(std::size_t i) {
           (static_cast<double>(i / kWidth) - kCamera.cy) / kCamera.fy, 1};
 }
 
-/// Between the normal of a plane and the light, or the second camera.
+/// The cosine between the normal of a plane and the direction to the light, or the second camera.
 double light_cosine(Sensor sensor, std::size_t i, double z, const Vector3d& normal) {
   const Vector3d to_light = Vector3d(traits_of(sensor).baseline, 0, 0) - z * ray(i);
   return -normal.dot(to_light.normalized());
 }
 
-/// The law at a pixel that sees this plane: standard deviation of its depth.
+/// The noise law at a pixel that sees this plane: the standard deviation of its depth.
 double law(Sensor sensor, std::size_t i, double z, const Vector3d& normal, double reflectance) {
   const Vector3d along = ray(i);
   const double cosine = std::abs(normal.dot(along)) / along.norm();
@@ -111,8 +111,9 @@ TEST(MeasureScene, GivesExactDepthsWithoutNoise) {
   }
 }
 
-// The residuals over the law's own sigma have the standard deviation 1. Steps of depth add a
-// twelfth of their square. Of n numbers it is known to 1 / sqrt(2 n): 5 of those.
+// The residuals divided by the law's sigma have the standard deviation 1. Quantization adds a
+// twelfth of the squared depth step. With n numbers the standard error is 1 / sqrt(2 n); the bound
+// is 5 of those.
 TEST(MeasureScene, ErrsByTheLawOfItsSensor) {
   for (const Sensor sensor : kSensors) {
     for (const double z : {0.6, 0.8, 1.1}) {
@@ -123,7 +124,7 @@ TEST(MeasureScene, ErrsByTheLawOfItsSensor) {
           double n = 0, sum = 0, squares = 0;
           for (std::size_t i = 0; i < measured.depths.size(); ++i) {
             const double exact = z * normal.z() / normal.dot(ray(i));
-            // Clear of the ends of the range, where half of the noise is cut off.
+            // Away from the ends of the range, where half of the noise is clipped.
             const SensorTraits& traits = traits_of(sensor);
             if (exact < 1.1 * traits.nearest || exact > 0.9 * traits.farthest) continue;
             const double steepness = normal.dot(ray(i)) / ray(i).norm();
@@ -153,13 +154,14 @@ TEST(MeasureScene, TellsDepthInStepsOfDisparity) {
   for (std::size_t i = 0; i < measured.depths.size(); ++i) {
     if (measured.depths[i] == 0) continue;
     const double steps = fb / measured.at(i) / 0.25;
-    // Half a step of depth, 0.05 mm, in steps of disparity: fb / z^2 / 0.25.
+    // Half a depth step, 0.05 mm, in disparity steps: fb / z^2 / 0.25.
     EXPECT_NEAR(steps, std::round(steps), 0.6e-4 * fb / (measured.at(i) * measured.at(i)) / 0.25);
   }
 }
 
-// A half plane at z1 with its end at x = 0, before a wall at z2. The light at x = b passes the end
-// and meets the wall at -b (z2 - z1) / z1: from there to what the camera sees, x = 0, lies shadow.
+// A half plane at z1 that ends at x = 0, in front of a wall at z2. The ray from the light at x = b
+// passes the end and meets the wall at -b (z2 - z1) / z1: from there to the camera's line of sight,
+// x = 0, the wall is in shadow.
 TEST(MeasureScene, LeavesTheShadowOfALightBesideTheCamera) {
   const double z1 = 0.7, z2 = 0.9;
   for (const bool left : {true, false}) {
@@ -171,7 +173,7 @@ TEST(MeasureScene, LeavesTheShadowOfALightBesideTheCamera) {
       std::size_t missing = 0;
       const std::size_t row = kWidth * (kHeight / 2);
       for (std::size_t u = 0; u < kWidth; ++u) missing += measured.depths[row + u] == 0 ? 1 : 0;
-      // Seen from the light's side nothing is hidden but the edge itself.
+      // Seen from the light's side, only the edge itself is hidden.
       const double expected = !left && b > 0 ? shadow * kCamera.fx / z2 : 0;
       if (sensor == Sensor::time_of_flight) {
         EXPECT_EQ(missing, 0U);
@@ -211,13 +213,13 @@ TEST(MeasureScene, LosesGrazingSurfaces) {
   EXPECT_EQ(dark.depths[kWidth * kHeight / 2 + kWidth / 2], 0) << "too little light comes back";
 }
 
-// A metal plane across the axis: the light at x = b mirrors into the camera at x = b / 2. A pixel
-// at x from there is off by atan((b - x) / z) - atan(x / z).
+// A metal plane perpendicular to the axis: the light at x = b is reflected into the camera at x = b
+// / 2. A pixel at x deviates from that by atan((b - x) / z) - atan(x / z).
 TEST(MeasureScene, LosesMetalThatMirrorsTheLight) {
   for (const Sensor sensor : kSensors) {
     const double z = 0.8, b = traits_of(sensor).baseline;
     const Scan measured = scan({plane(z, 0)}, {sensor, 0, 0.0F}, true);
-    const std::size_t row = kHeight / 2;  // v within half a pixel of the middle
+    const std::size_t row = kHeight / 2;  // v within half a pixel of the center
     for (std::size_t u = 0; u < kWidth; ++u) {
       const double x = (static_cast<double>(u) - kCamera.cx) / kCamera.fx * z;
       const double off = std::abs(std::atan((b - x) / z) - std::atan(x / z)) / kDegree;

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using reference::Facet;
 using test::Shape;
 
-constexpr double kBound = 0.2e-3;  // [m] of entering, and of air between
+constexpr double kBound = 0.2e-3;  // [m] penetration, and gaps
 
 /// Objects of 0.1 to 0.2 m, convex and not.
 const std::vector<Shape>& shapes() {
@@ -56,7 +56,7 @@ double lowest(const std::vector<Facet>& mesh) {
   return z;
 }
 
-/// Corners, middles of edges and places on the faces.
+/// Corners, midpoints of edges and points on the faces.
 std::vector<Vector3d> surface_of(const std::vector<Facet>& mesh) {
   std::vector<Vector3d> points;
   constexpr int kParts = 6;
@@ -122,8 +122,8 @@ TEST_P(PileUp, LaysEachBodyOnSomething) {
   }
 }
 
-// Held against a naive search: turned by 1 degree about any level axis and let down again, a body
-// that rests comes hardly lower, but for some that friction lets lean.
+// Compared with a naive search: rotated by 1 degree about any horizontal axis and lowered again, a
+// resting body comes hardly lower, except for some that lean because of friction.
 TEST_P(PileUp, LeavesBodiesWhereGravityHoldsThem) {
   int steep = 0;
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -144,7 +144,7 @@ TEST_P(PileUp, LeavesBodiesWhereGravityHoldsThem) {
         drop = std::min(drop, reference::clearance(mesh, world(placed[j])));
       lowest_near = std::min(lowest_near, here - drop);
     }
-    // Toppling lowers the center by up to half the width a radian: 0.5 mm a degree for these.
+    // Toppling lowers the center by up to half the width per radian: 0.5 mm per degree for these.
     if (here - lowest_near > 0.5e-3) ++steep;
   }
   EXPECT_LE(steep, 3) << "of " << placed.size();
@@ -169,7 +169,7 @@ TEST(PileUpOne, LaysABoxOnAFace) {
 }
 
 TEST(MakeBody, FindsTheCenterOfTheVolume) {
-  // A long bar with a plate at its end: the areas' center is elsewhere.
+  // A long bar with a plate at its end: the centroid of its surface is elsewhere.
   const Shape shape = test::box({0, -0.01F, -0.01F}, {0.2F, 0.01F, 0.01F});
   Body body = make_body(shape.vertices, shape.triangles);
   EXPECT_LT((body.center - Eigen::Vector3f(0.1F, 0, 0)).norm(), 1e-6F);

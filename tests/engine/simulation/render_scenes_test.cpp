@@ -53,7 +53,7 @@ Result<RenderedScene> scan(const std::vector<ScanModel>& models, const ScanOptio
   return scanner->scan(index);
 }
 
-/// Depth at which the ray through a pixel enters the box; infinite where it misses. By slabs, in
+/// Depth at which the ray through a pixel enters the box; infinite where it misses. Slab method, in
 /// double.
 double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_box) {
   const Vector3d ray((static_cast<double>(pixel % kScanWidth) - camera.cx) / camera.fx,
@@ -154,9 +154,9 @@ TEST(VirtualScanner, StandsOnTheGround) {
   EXPECT_NEAR(lowest, 0, 1e-5);
 }
 
-// A camera at distance d from the middle of a sphere of radius r sees it where the ray's angle to
-// the normal is below 80 degrees: by the law of sines, where the angle at the middle is below
-// 80 degrees - asin(r sin(80 degrees) / d). That cap has the area 2 pi r^2 (1 - cos).
+// A camera at distance d from the center of a sphere of radius r sees it where the ray's angle to
+// the normal is below 80 degrees. By the law of sines, the angle at the center is then below 80
+// degrees - asin(r sin(80 degrees) / d). That cap has the area 2 pi r^2 (1 - cos).
 TEST(VirtualScanner, FindsTheAreaOfASphereThatASensorMeasures) {
   const float r = 0.05F;
   const std::vector<ScanModel> models{model_of("ball", test::ellipsoid({r, r, r}, 90))};
@@ -174,7 +174,7 @@ TEST(VirtualScanner, FindsTheAreaOfASphereThatASensorMeasures) {
   EXPECT_LT(1 - *lit->truth[0].occlusion, 0.99 * cap) << "the side away from the light is lost";
   EXPECT_GT(1 - *lit->truth[0].occlusion, 0.85 * cap);
 
-  // Clutter: all else that is measured, by the same patches.
+  // Clutter is the area of all other measured surfaces, by the same patches.
   const auto pose = scene->truth[0].T_scene_model.cast<double>();
   double whole = 0, own = 0;
   for (std::size_t i = 0; i < scene->depths.size(); ++i) {
@@ -226,7 +226,7 @@ TEST(VirtualScanner, TakesEveryModelBeforeOneComesAgain) {
   EXPECT_EQ(count(4, 4), (std::vector<int>{4}));
 }
 
-// The walls of a bin and of a room are seen, and nothing of them is in the truth.
+// The walls of a bin and of a room are visible, but the truth does not list them.
 TEST(VirtualScanner, PutsBinsAndWallsAround) {
   const std::vector<ScanModel> models{box_model()};
   const auto upright_pixels = [&](bool bin, bool walls) {
@@ -352,7 +352,7 @@ TEST(RenderScenes, ScalesModelsAndDeclaresTheirSymmetries) {
   EXPECT_EQ(manifest->models[0].name, "box") << "its own name";
   EXPECT_EQ(manifest->models[0].scale, 1) << "the file is in mm";
   EXPECT_EQ(manifest->models[0].symmetry->poses.size(), 3U) << "half turns about the axes of a box";
-  // About the middle of the box, in the asked unit.
+  // About the center of the box, in the requested unit.
   for (const Pose& pose : manifest->models[0].symmetry->poses) {
     const float scale = 200 / kernels::find_diameter(box_mesh().points);
     const Eigen::Vector3f middle = scale * (0.5 * (kLow + kHigh)).cast<float>();

@@ -69,7 +69,7 @@ TEST(SensorFlaws, LeaveScansAsTheyAreWhereThereAreNone) {
   const std::vector<Shape> shapes{wall(0.9F)};
   for (const Sensor sensor :
        {Sensor::structured_light, Sensor::time_of_flight, Sensor::stereo, Sensor::laser}) {
-    SensorFlaws unused;  // strengths that only count with others
+    SensorFlaws unused;  // strengths without effect by themselves
     unused.match.noise_pixel = 1;
     unused.patch_length_pixel = 3;
     unused.hole_radius_pixel = 50;
@@ -77,8 +77,8 @@ TEST(SensorFlaws, LeaveScansAsTheyAreWhereThereAreNone) {
   }
 }
 
-// A sheet before a wall: it grows on the side where the light beside the camera leaves a shadow,
-// which is the side away from it.
+// A sheet in front of a wall: it grows on the side where the light beside the camera leaves a
+// shadow, the side away from the light.
 TEST(SensorFlaws, FattenTheSideAwayFromTheLight) {
   const Shape front =
       sheet({-0.05F, -5, 0.7F}, {0.05F, -5, 0.7F}, {0.05F, 5, 0.7F}, {-0.05F, 5, 0.7F});
@@ -131,7 +131,7 @@ TEST(SensorFlaws, LoseDarkSurfacesOfMatchedWindows) {
   EXPECT_GT(missing(0.05), 0.95);
 }
 
-// Two white walls that meet at a right angle before a time-of-flight camera.
+// Two white walls that meet at a right angle in front of a time-of-flight camera.
 TEST(SensorFlaws, ReadConcaveCornersTooFarByBouncedLight) {
   const Shape left = sheet({0, -5, 1}, {-1, -5, 0}, {-1, 5, 0}, {0, 5, 1}),
               right = sheet({0, -5, 1}, {1, -5, 0}, {1, 5, 0}, {0, 5, 1});
@@ -245,7 +245,7 @@ TEST(WrittenPose, IsTheTrueOneOfATrueCamera) {
   EXPECT_EQ(written_camera(kCamera, {}), kCamera);
 }
 
-// What the pixel of a point and its depth become by the camera that is written.
+// Maps a point's pixel and depth through the written camera.
 TEST(WrittenPose, MapsPointsToWhereTheirWrittenPixelsAndDepthsAre) {
   const Vector3d p(0.12, -0.07, 0.85);
   const double u = kCamera.fx * p.x() / p.z() + kCamera.cx + kBad.shift_u_pixel,
@@ -256,8 +256,8 @@ TEST(WrittenPose, MapsPointsToWhereTheirWrittenPixelsAndDepthsAre) {
   EXPECT_LT((written_from_true(kCamera, kBad) * p - expected).norm(), 1e-12);
 }
 
-// The best rigid motion of a ball's points to where they are written, found by brute force about
-// the pose: no small turn or shift fits better.
+// The best rigid motion from a ball's points to their written positions, by brute force about the
+// pose: no small rotation or shift fits better.
 TEST(WrittenPose, FitsWhatIsWrittenOfAnObjectBest) {
   Pose pose = Pose::Identity();
   pose.linear() = Eigen::AngleAxisf(0.7F, Vector3f(1, 2, 3).normalized()).toRotationMatrix();

@@ -38,7 +38,7 @@ class AheadWriter : public test::LibraryTest {
   std::shared_ptr<PackedModel> packed(std::size_t m) const {
     return *pack_model(whole_.models[m], header_.unit, test::kRandomComponents);
   }
-  /// What the next run of the same command finds.
+  /// The models found by the next run of the same command.
   std::vector<std::string> kept() const {
     std::vector<std::string> names;
     for (const Library& part : engine::recover_parts(engine::parts_folder(file()))) {

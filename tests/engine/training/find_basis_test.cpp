@@ -1,4 +1,4 @@
-// From images to the codes that a library keeps.
+// From spin images to the codes stored in a library.
 #include "engine/training/find_basis.hpp"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ TEST(BasisOf, KeepsComponentsByNumber) {
   EXPECT_EQ(basis_of({}, 60).components.size(), 0U);
 }
 
-// A distance between codes is one between projected images, to what rounding adds.
+// A distance between codes equals the distance between projected images, up to rounding.
 TEST(EncodeFeatures, KeepsDistances) {
   StageTimes times;
   const auto model =

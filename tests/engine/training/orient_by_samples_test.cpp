@@ -15,8 +15,8 @@ using Eigen::Vector3f;
 constexpr float kSpacing = 0.05F, kThickness = 0.01F;
 const Vector3f kUp = Vector3f::UnitZ();
 
-/// A plate thinner than its samples are apart: those above at 0, those below at -kThickness, seen or
-/// not.
+/// A plate thinner than its sample spacing: the upper samples at 0, the lower ones at -kThickness,
+/// visible or not.
 struct Plate {
   Points samples;
   Normals normals;
@@ -41,7 +41,7 @@ struct Plate {
   }
 };
 
-/// Places on the upper side.
+/// Positions on the upper side.
 Points places(std::size_t n) {
   test::Random random(3);
   Points points;

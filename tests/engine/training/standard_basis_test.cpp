@@ -40,7 +40,7 @@ TEST(StandardBasis, GivesTheFirstComponentsThatAreAskedFor) {
   EXPECT_EQ(standard_basis({.tri_spin_images = false}).components.size(), 0U);
 }
 
-// It was found from other shapes, and must do for any.
+// The basis was computed from other shapes and must suit any shape.
 TEST(StandardBasis, HasNearlyTheVarianceThatAnImagesOwnBasisHas) {
   const auto images =
       sample_images(test::cloud_of(test::lever()), {"lever", "lever.ply", 1, {}}, 1000);

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Coarse, for speed.
+/// Coarse training, for speed.
 const TrainOptions kFast{.relative_step = 0.1F, .num_samples = 512, .num_components = 8};
 
 class TrainLibrary : public testing::Test {
@@ -35,7 +35,8 @@ class TrainLibrary : public testing::Test {
       cloud.points.set(i, size * cloud.points[i]);
     EXPECT_TRUE(write_ply(folder_ / (name + ".ply"), cloud));
   }
-  /// More than are ever in training at once, since those are finished when a run is stopped.
+  /// More models than are ever trained concurrently, since those are finished when a run is
+  /// stopped.
   std::vector<std::string> put_many() {
     std::vector<std::string> names;
     for (std::size_t k = 0; k < 6 + 2 * std::thread::hardware_concurrency(); ++k) {
@@ -52,7 +53,7 @@ class TrainLibrary : public testing::Test {
     for (const std::string& name : names) request.sources.push_back(source(name));
     return request;
   }
-  /// What training all anew gives.
+  /// The library from training everything again.
   std::string fresh(const std::vector<std::string>& names) const {
     TrainRequest anew = request(names);
     anew.file = folder_ / "fresh.h5";
@@ -75,7 +76,7 @@ std::size_t count(const TrainReport& report, ModelOrigin origin) {
   return static_cast<std::size_t>(std::ranges::count(report.models, origin, &ModelFacts::origin));
 }
 
-/// Stops a run after so many models.
+/// Stops a run after this many models.
 struct StopAfter {
   explicit StopAfter(std::size_t number) {
     progress.training.stop = stop.get_token();
@@ -151,7 +152,7 @@ TEST_F(TrainLibrary, TakesModelsOverUnderOtherNamesAndFiles) {
   EXPECT_EQ(bytes(), fresh({"arm"}));
 }
 
-// Of "bolt (1).ply" and "bolt [1].ply" one name is made.
+// "bolt (1).ply" and "bolt [1].ply" give the same model name.
 TEST_F(TrainLibrary, ReplacesNoModelOfAnotherFileThatNobodyNamed) {
   put("bolt (1)", test::bracket());
   put("bolt [1]", test::lever());
@@ -204,7 +205,7 @@ TEST_F(TrainLibrary, MixesNoModelsOfOtherParameters) {
   EXPECT_NE(refused.error().message.find("--prune"), std::string::npos) << refused.error().message;
   EXPECT_EQ(bytes(), before);
 
-  other.sources = request().sources;  // all of them anew
+  other.sources = request().sources;  // all are trained again
   const auto report = train_library(other);
   ASSERT_TRUE(report) << report.error().message;
   EXPECT_EQ(count(*report, ModelOrigin::trained), 3U);
@@ -223,7 +224,7 @@ TEST_F(TrainLibrary, GoesOnWithWhatAStoppedRunTrained) {
   EXPECT_FALSE(fs::exists(file_));
   ASSERT_TRUE(has_parts());
 
-  // What a process that died leaves is no obstacle.
+  // Files left by a process that died are no obstacle.
   std::ofstream(engine::parts_folder(file_) / "0-9.h5") << "half a part";
   std::ofstream(engine::parts_folder(file_) / ".0-0.h5.77.0.tmp") << "less";
   std::ofstream(folder_ / ".library.h5.77.0.tmp") << "half a library";
@@ -252,7 +253,7 @@ TEST_F(TrainLibrary, TrainsAgainWhatAPowerFailureKeptFromTheDisk) {
   const std::string expected = fresh(names);
   for (const bool in_part : {false, true}) {
     fs::remove(file_);
-    // A library from nothing is written at once; what comes into one lies in parts.
+    // A new library is written at once; additions to an existing one are stored in parts.
     if (in_part) {
       ASSERT_TRUE(train_library(request({names.front()})));
     }
@@ -262,7 +263,7 @@ TEST_F(TrainLibrary, TrainsAgainWhatAPowerFailureKeptFromTheDisk) {
     for (const auto& entry : fs::directory_iterator(engine::parts_folder(file_))) {
       if (entry.path().extension() != (in_part ? ".h5" : ".models")) continue;
       const std::string bytes = test::read_bytes(entry.path());
-      // Zeros, as of blocks that were never written; the beginning of the file is as it was.
+      // Zeros, as in blocks that were never written; the beginning of the file is unchanged.
       std::ofstream(entry.path(), std::ios::binary)
           << bytes.substr(0, bytes.size() / 2) << std::string(bytes.size() - bytes.size() / 2, 0);
       ++num_damaged;

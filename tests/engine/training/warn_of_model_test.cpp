@@ -46,7 +46,7 @@ TEST(WarnOfModel, TellsWhatWasLeftOutWhenItWasRead) {
 
 TEST(WarnOfModel, TellsOfASurfaceThatIsOpenOrOfOneSide) {
   const Cloud whole = test::cloud_of(test::bracket());
-  const Cloud open = part_of(whole, [&](std::size_t t) {  // without the faces that look up
+  const Cloud open = part_of(whole, [&](std::size_t t) {  // without the faces that point up
     const Eigen::Vector3f a = whole.points[whole.triangles.a[t]];
     const Eigen::Vector3f b = whole.points[whole.triangles.b[t]];
     const Eigen::Vector3f c = whole.points[whole.triangles.c[t]];

@@ -9,7 +9,7 @@ namespace {
 
 using Rows = std::vector<Row>;
 
-/// Poses of models of diameter 1, each at x on a line.
+/// Poses of models with diameter 1, each at x on a line.
 class ChooseRows : public testing::Test {
  protected:
   ChooseRows() {

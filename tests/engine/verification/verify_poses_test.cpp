@@ -30,7 +30,7 @@ class VerifyPoses : public testing::Test {
     scene_ = std::move(*scene);
   }
   static Pose truth() { return test::pose_of({2.1F, 0.7F, -0.4F}, {-0.02F, 0.03F, 0.85F}); }
-  /// Ten poses: near the truth, then farther and farther away.
+  /// Ten poses at increasing distance from the truth.
   static PoseTable ten_poses() {
     PoseTable table;
     for (int k = 0; k < 10; ++k) {

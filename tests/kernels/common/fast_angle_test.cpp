@@ -25,7 +25,7 @@ TEST(FastAngle, IsWithinAMillionthOfARadianAllRound) {
   EXPECT_LT(worst, 1e-6);
 }
 
-// A grid of integers holds the axes, the diagonals and zeros of both arguments.
+// A grid of integers contains the axes, the diagonals and zeros of both arguments.
 TEST(FastAngle, IsWithinAMillionthOfARadianOnAGrid) {
   for (int y = -40; y <= 40; ++y) {
     for (int x = -40; x <= 40; ++x) {
@@ -45,7 +45,7 @@ TEST(FastAngle, IsExactOnTheAxesAndZeroAtTheOrigin) {
   EXPECT_EQ(fast_atan2(-0.0F, -0.0F), 0);
 }
 
-// The quantized angles rely on it: nothing lies beyond the last bin.
+// The quantized angles rely on this: no angle lies beyond the last bin.
 TEST(FastAngle, StaysWithinHalfATurn) {
   for (int i = 0; i < 1000; ++i) {
     const float y = std::ldexp(1.0F, -i / 10);

@@ -72,7 +72,7 @@ TEST(NearestNeighbors, SearchesFeatureVectorsOfAnyDimension) {
   Random random;
   constexpr std::size_t kDimension = 30, kNumVectors = 300;
   std::vector<float> vectors(kDimension * kNumVectors);
-  for (float& v : vectors) v = static_cast<float>(random.below(16));  // whole: exact distances
+  for (float& v : vectors) v = static_cast<float>(random.below(16));  // integers: exact distances
   const auto tree = NearestNeighbors::build(vectors, kDimension);
   ASSERT_TRUE(tree.has_value());
   EXPECT_EQ(tree->size(), kNumVectors);

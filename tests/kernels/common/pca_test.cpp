@@ -12,7 +12,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Vectors that spread by 1, 1/2, 1/3, ... along the axes of a random frame, about a mean.
+/// Vectors with spreads of 1, 1/2, 1/3, ... along the axes of a random frame, about a mean.
 struct Cloud {
   std::size_t dimension;
   std::vector<float> vectors;

@@ -19,7 +19,7 @@ Pose turned(const Pose& pose, const Vector3f& axis, float angle) {
   return pose * T;
 }
 
-/// Symmetries of a box, a 12-fold gear, a can and a can that can be turned over.
+/// Symmetries of a box, a 12-fold gear, a can, and a can that can be turned over.
 std::vector<Symmetry> symmetries(Random& random) {
   const float pi = static_cast<float>(reference::kPi);
   const Vector3f axis = random.direction(), side = axis.unitOrthogonal();
@@ -34,7 +34,7 @@ std::vector<Symmetry> symmetries(Random& random) {
   return out;
 }
 
-/// A symmetry at random: one of the listed ones, then any turn about the axis.
+/// A random symmetry: a listed one, then any rotation about the axis.
 Pose random_symmetry(Random& random, const Symmetry& symmetry) {
   Pose S = Pose::Identity();
   const std::uint32_t k = random.below(static_cast<std::uint32_t>(symmetry.poses.size()) + 1);
@@ -45,7 +45,7 @@ Pose random_symmetry(Random& random, const Symmetry& symmetry) {
   return S;
 }
 
-/// The smallest rotation between a pose's equivalents and a target, by trying them all.
+/// The smallest rotation between a pose's equivalents and a target, by exhaustive search.
 double closest_by_trial(const Pose& pose, const Symmetry& symmetry, const Pose& target) {
   constexpr int kSteps = 7200;
   double best = 4;
@@ -70,7 +70,7 @@ TEST(RotationAngle, IsTheAngleTurnedFromTinyToHalfATurn) {
     for (int trial = 0; trial < 20; ++trial) {
       const Pose a = random.motion();
       const Pose b = turned(a, random.direction(), static_cast<float>(angle));
-      // asin grows steep towards half a turn, where rounding of 1e-7 becomes its root.
+      // asin is steep near a half turn, where a rounding error of 1e-7 becomes its square root.
       const double tolerance = std::min(2e-3, 5e-7 / std::cos(angle / 2));
       EXPECT_NEAR(rotation_angle(a.linear(), b.linear()), angle, tolerance);
       EXPECT_EQ(rotation_angle(a.linear(), b.linear()), rotation_angle(b.linear(), a.linear()));
@@ -85,7 +85,7 @@ TEST(ClosestEquivalent, IsTheBestOfAllEquivalents) {
       const Pose pose = random.motion(), target = random.motion();
       const Pose found = closest_equivalent(pose, symmetry, target);
       const double best = closest_by_trial(pose, symmetry, target);
-      // The trials are 0.05 degrees apart; the best one lies below them.
+      // The trials are 0.05 degrees apart; the true minimum lies below them.
       EXPECT_LE(reference::rotation_angle(found, target), best + 2e-3);
       EXPECT_GE(reference::rotation_angle(found, target), best - 1e-3);
       EXPECT_LT((found * kCenter - pose * kCenter).norm(), 1e-5) << "every symmetry keeps it";
@@ -124,7 +124,7 @@ TEST(PoseDistance, IsZeroBetweenSymmetricEquivalents) {
   }
 }
 
-// Shift by t and turn about the center by less than half of the symmetry's own angles.
+// Shifts by t and turns about the center by less than half of the symmetry's angles.
 TEST(PoseDistance, MeasuresAtTheCenterAndSparesTheFreeTurn) {
   Random random;
   const Symmetry gear = symmetries(random)[1], can = symmetries(random)[2];
@@ -182,7 +182,7 @@ TEST(MeanPose, IsTheLeastSquaresMeanOfTheRotationsAndCenters) {
   }
 }
 
-// Just below and above half a turn, quaternions of like rotations have opposite signs.
+// Just below and above a half turn, quaternions of similar rotations have opposite signs.
 TEST(MeanPose, DoesNotDependOnQuaternionSigns) {
   const Vector3f axis = Vector3f(1, -2, 0.5F).normalized();
   const float pi = static_cast<float>(reference::kPi);
@@ -226,10 +226,11 @@ TEST(SmallMotion, TurnsAboutThePivotAndThenShifts) {
             Pose::Identity().matrix());
 }
 
-// d(p)/d(w, t) at rest is [-(p - pivot)x, I]: the columns that the refinement's Jacobian rests on.
+// d(p)/d(w, t) at zero is [-(p - pivot)x, I], the columns of the refinement's Jacobian.
 TEST(SmallMotion, HasTheDerivativeOfItsCentralDifferences) {
   Random random;
-  // Central differences err by its square over 6, below rounding's 1e-5.
+  // The error of central differences is the square of the step over 6, below the rounding error of
+  // 1e-5.
   constexpr float kStep = 1e-2F;
   for (int trial = 0; trial < 20; ++trial) {
     const Vector3f pivot = random.direction(), p = pivot + random.direction();

@@ -29,7 +29,7 @@ std::vector<float> project(const PcaBasis& basis, std::span<const float> vectors
   return out;
 }
 
-/// In double, from the definition.
+/// The projection in double precision, from the definition.
 double project_naively(const PcaBasis& basis, std::span<const float> vector, std::size_t k) {
   double sum = 0;
   for (std::size_t j = 0; j < basis.dimension; ++j)
@@ -75,8 +75,8 @@ TEST(Projector, KeepsDistancesInAFullBasis) {
   EXPECT_NEAR(distance(out), distance(vectors), 1e-3);
 }
 
-// The largest sums that there can be: vectors along a component, all of it in one number or spread.
-// There all numbers may be rounded the same way.
+// The largest possible sums: vectors along a component, with all of it in one number or spread. In
+// these sums all numbers may be rounded the same way.
 TEST(Projector, HoldsTheLongestProducts) {
   for (const std::size_t d : {1U, 4U, 1024U}) {
     PcaBasis basis;

@@ -32,8 +32,8 @@ Shape triangle_soup(Random& random, std::size_t n) {
   return soup;
 }
 
-/// As in a service, whose threads wait for memory: Embree's builder crashes or hangs where one of its
-/// allocations throws, and a scene that it gave up must not pass for a whole one.
+/// Threads of a service may lack memory. Embree's builder crashes or hangs when one of its
+/// allocations throws, and an abandoned scene must not pass for a complete one.
 TEST(RayScene, IsWholeOrNoneWhereverMemoryIsMissing) {
   std::thread(wait_for_memory_on_this_thread).join();
   Random random(1);
@@ -43,7 +43,7 @@ TEST(RayScene, IsWholeOrNoneWhereverMemoryIsMissing) {
     origins.push_back(2 * random.direction());
     directions.push_back(random.direction() - origins[origins.size() - 1]);
   }
-  /// The distances that rays go in a mesh and, beside it, in an instance of it.
+  /// The ray distances to a mesh and, beside it, to an instance of it.
   const auto distances = [&]() -> Result<std::vector<float>> {
     const Result<RayScene> mesh = RayScene::from_mesh(soup.vertices, soup.triangles);
     if (!mesh) return mesh.error();
@@ -163,7 +163,7 @@ TEST(RayScene, AgreesWithReferenceOnSpheres) {
       loose =
           std::min(loose, reference::ray_sphere(origin, direction, centers[i], kRadius * 1.001));
     }
-    if (loose < reference::kInfinity && tight - loose > 0.01) continue;  // a ray that grazes
+    if (loose < reference::kInfinity && tight - loose > 0.01) continue;  // a grazing ray
     const Hit hit = scene->intersect(origin, direction, 0, kFar);
     ASSERT_EQ(static_cast<bool>(hit), expected < reference::kInfinity) << "ray " << k;
     EXPECT_EQ(scene->occluded(origin, direction, 0, kFar), static_cast<bool>(hit));

@@ -40,7 +40,7 @@ Neighborhoods all_neighbors(const VoxelHash& grid, PointsView queries, float rad
   return out;
 }
 
-// Coordinates are dyadic, so float distances are exact and so is the comparison.
+// Coordinates are dyadic, so float distances and the comparison are exact.
 void expect_reference_searches(PointsView points, PointsView queries, float cell, float radius) {
   const VoxelHash grid(points, cell);
   for (std::size_t q = 0; q < queries.size(); ++q) {

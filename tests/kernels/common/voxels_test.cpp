@@ -60,7 +60,7 @@ TEST(GroupByVoxel, AgreesWithReferenceInContentAndOrder) {
   }
 }
 
-// Along a row of pixels, several points follow each other in a voxel, and some return to it.
+// Along a row of pixels, several consecutive points share a voxel, and some return to it.
 TEST(GroupByVoxel, KeepsTheOrderOfPointsThatFollowEachOtherInAVoxel) {
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   for (const std::size_t n : {255U, 256U, 257U, 2000U}) {

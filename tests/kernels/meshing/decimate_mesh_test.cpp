@@ -21,7 +21,7 @@ Mesh decimate(const Mesh& mesh, std::size_t num_triangles, float max_error = kNo
   return decimate_mesh(mesh.vertices, mesh.triangles, num_triangles, max_error);
 }
 
-/// A flat patch of n x n squares with side 1, in a plane that is oblique in space.
+/// A flat patch of n x n squares with side 1, in a plane oblique to all axes.
 Mesh patch(std::uint32_t n, const Pose& pose) {
   Mesh mesh;
   for (std::uint32_t y = 0; y <= n; ++y) {
@@ -72,7 +72,8 @@ TEST(DecimateMesh, ReachesTheNumberAskedFor) {
   }
 }
 
-// Fewer are a matter of luck: from some sixty on, what may still collapse may be a corner.
+// Fewer triangles are a matter of chance: below some sixty, the next possible collapse may be at a
+// corner.
 TEST(DecimateMesh, ABoxKeepsItsCornersInAHundredTriangles) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     Random random(seed);
@@ -91,7 +92,7 @@ TEST(DecimateMesh, KeepsWithinTheErrorBound) {
     const Mesh thin = decimate(fine, 0, bound);
     EXPECT_LT(thin.triangles.size(), fewer);
     fewer = thin.triangles.size();
-    // Both ways: no bump appears, none is lost.
+    // Measured both ways: no bump appears and none is lost.
     double worst = 0;
     for (std::size_t i = 0; i < thin.vertices.size(); i += 3)
       worst = std::max(worst, reference::distance_to_mesh(thin.vertices[i].cast<double>(), fine));
@@ -111,11 +112,11 @@ TEST(DecimateMesh, NoTriangleTurnsOver) {
     EXPECT_GT(area_vector(thin, t).dot(up), 0);
     area += area_vector(thin, t).norm();
   }
-  EXPECT_NEAR(area, 1, 1e-5);  // the border has kept its course: a square
+  EXPECT_NEAR(area, 1, 1e-5);  // the border is still a square
   EXPECT_LE(thin.triangles.size(), 10U);
 }
 
-// Where no error tells where to go, collapses about corners and notches fold the surface.
+// Where no error guides the decimation, collapses about corners and notches fold the surface.
 TEST(DecimateMesh, AFlatSheetOfUnevenTrianglesDoesNotFold) {
   constexpr std::uint32_t kSide = 40;
   Random random;

@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Whole coordinates from 0 to 32, with both among them: the lattice and all determinants in
-/// double are exact.
+/// Integer coordinates from 0 to 32, with both bounds among them: the lattice and all determinants
+/// in double are exact.
 Points whole_points(std::size_t n, test::Random& random) {
   Points points;
   points.push_back({0, 0, 0});
@@ -42,7 +42,7 @@ double in_ball(const std::array<Vector3d, 4>& c, const Vector3d& p) {
     const Vector3d d = c[static_cast<std::size_t>(i)] - p;
     m.row(i) << d.x(), d.y(), d.z(), d.squaredNorm();
   }
-  // Laplace by hand: LU would round.
+  // Laplace expansion, because LU decomposition would round.
   const auto det3 = [&](int a, int b, int e) {
     return m.row(a).head<3>().cross(m.row(b).head<3>()).dot(m.row(e).head<3>());
   };

@@ -37,7 +37,7 @@ Samples sample(const test::Shape& shape, std::size_t n, std::uint64_t seed = 1) 
   return samples;
 }
 
-/// A ring of this radius and thickness: random points with their exact normals.
+/// A torus of this radius and thickness: random points with exact normals.
 Samples ring(std::size_t n, float radius, float thickness) {
   test::Random random;
   Samples samples;
@@ -45,7 +45,7 @@ Samples ring(std::size_t n, float radius, float thickness) {
   while (samples.points.size() < n) {
     const float u = random.uniform(0, turn), v = random.uniform(0, turn);
     const float out = radius + thickness * std::cos(v);
-    if (random.uniform(0, radius + thickness) > out) continue;  // even over the area
+    if (random.uniform(0, radius + thickness) > out) continue;  // uniform over the area
     const Vector3f axis(std::cos(u), std::sin(u), 0);
     samples.normals.push_back(std::cos(v) * axis + std::sin(v) * Vector3f::UnitZ());
     samples.points.push_back(radius * axis + thickness * samples.normals[samples.points.size()]);
@@ -73,7 +73,7 @@ double longest_edge(const Mesh& mesh) {
   return longest;
 }
 
-/// Triangles by their corners' coordinates, in an order of their own.
+/// Triangles by the coordinates of their corners, independent of the order of vertices.
 std::multiset<std::vector<float>> by_coordinates(const Mesh& mesh) {
   std::multiset<std::vector<float>> all;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -109,7 +109,7 @@ TEST(TriangulateCloud, ClosesATorusWithItsHole) {
 }
 
 TEST(TriangulateCloud, ClosesRegularSamples) {
-  // Exact ties everywhere: the surface of a cube of 8 cells a side.
+  // Exact ties everywhere: the surface of a cube of 8 cells per side.
   Samples cube;
   for (int i = 0; i < 9 * 9 * 9; ++i) {
     const Eigen::Array3i at(i % 9, i / 9 % 9, i / 81);
@@ -129,7 +129,8 @@ TEST(TriangulateCloud, KeepsTheEdgesOfABoxSharp) {
   const Samples samples = sample(box, 2600);
   const Mesh mesh = mesh_of(samples);
   EXPECT_LE(reference::count_open_edges(mesh.triangles), 20U) << "of 7800";
-  // Triangles between points of a convex body lie in it; what they cut off lies along the edges.
+  // Triangles between points of a convex body lie in it; the volume that they cut off lies along
+  // the edges.
   const double volume = 1.0 * 0.6 * 0.4;
   const double edges = 4 * (1.0 + 0.6 + 0.4);
   EXPECT_LT(reference::volume(mesh), volume);
@@ -138,7 +139,7 @@ TEST(TriangulateCloud, KeepsTheEdgesOfABoxSharp) {
 }
 
 TEST(TriangulateCloud, KeepsTheSheetsOfAThinPlateApart) {
-  // Two open sheets, nearer to one another than their points.
+  // Two open sheets, closer to each other than the spacing of their points.
   test::Random random;
   Samples plate;
   plate.spacing = 1.0F / 30;
@@ -185,7 +186,7 @@ TEST(TriangulateCloud, LeavesTheBoundaryOfAPatchOpen) {
 }
 
 TEST(TriangulateCloud, DoesNotCoverTheBackOfASmallPatch) {
-  // Its boundary is shorter than the holes that are filled.
+  // The boundary is shorter than those of the holes that are filled.
   Samples patch;
   for (int i = 0; i < 9; ++i) {
     patch.points.push_back({static_cast<float>(i % 3), static_cast<float>(i / 3), 0});
@@ -209,7 +210,7 @@ TEST(TriangulateCloud, LeavesAWideGapOpen) {
 }
 
 TEST(TriangulateCloud, FillsHolesOfFewEdges) {
-  // Thinner than its points are apart: balls through one side hold points of the other.
+  // A lens thinner than its point spacing: balls through one side contain points of the other.
   const Samples lens = sample(test::ellipsoid({1, 1, 0.04F}), 1500);
   const std::size_t left = reference::count_open_edges(triangulate(lens, {.max_hole_edges = 0}));
   EXPECT_GT(left, 20U);
@@ -225,7 +226,7 @@ TEST(TriangulateCloud, DoesNotDependOnTheOrderOfThePoints) {
 }
 
 TEST(TriangulateCloud, MovesAndScalesWithTheCloud) {
-  // The lattice rounds to 2^-20 of the extent: ties of random points are broken nowhere near that.
+  // The lattice rounds to 2^-20 of the extent, so ties between random points are very unlikely.
   const Samples samples = sample(test::ellipsoid({1, 0.7F, 0.4F}), 800);
   const Triangles triangles = triangulate(samples);
   const auto as_set = [](const Triangles& all) {

@@ -24,7 +24,7 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 struct Oriented {
   Points points;
   Normals normals;
-  float spacing = 0;  // root of the area that each point has
+  float spacing = 0;  // square root of the area per point
 
   void add(const Vector3f& point, const Vector3f& normal) {
     points.push_back(point);
@@ -32,7 +32,7 @@ struct Oriented {
   }
 };
 
-/// Random points on the unit sphere, moved along their normals by noise in spacings.
+/// Random points on the unit sphere, moved along their normals by noise in units of the spacing.
 Oriented sphere(std::size_t n, float noise = 0) {
   Random random(n);
   Oriented cloud;
@@ -44,7 +44,7 @@ Oriented sphere(std::size_t n, float noise = 0) {
   return cloud;
 }
 
-/// Random points of the unit square, z = 0.
+/// Random points in the unit square at z = 0.
 Oriented square(std::size_t n, std::uint64_t test_case = 0) {
   Random random(test_case);
   Oriented cloud;
@@ -62,7 +62,7 @@ Oriented lattice(int side) {
   return cloud;
 }
 
-/// A gently curved sheet with its exact normals.
+/// A gently curved sheet with exact normals.
 Oriented sheet(std::size_t n) {
   Random random;
   Oriented cloud;
@@ -83,7 +83,7 @@ Triangles triangulate(const Oriented& cloud, const GreedyOptions& options = {}) 
 
 using Corners = std::array<std::uint32_t, 3>;
 
-/// Corners with their winding, from the lowest on.
+/// Triangles with their winding, each from its lowest corner.
 std::set<Corners> as_set(const Triangles& triangles) {
   std::set<Corners> all;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -122,7 +122,7 @@ double longest_edge(const Oriented& cloud, const Triangles& triangles) {
   return longest;
 }
 
-/// Whether all triangles face where the normals of their corners point.
+/// Whether all triangles face in the direction of the normals of their corners.
 testing::AssertionResult agree_with_normals(const Oriented& cloud, const Triangles& triangles) {
   for (const Corners& c : as_set(triangles)) {
     const Vector3f a = cloud.points[c[0]];
@@ -174,7 +174,7 @@ TEST(TriangulateGreedy, CoversEveryPlaceOfASquareOnce) {
   EXPECT_LT(share(num_open, kPlaces), 0.01);
 }
 
-/// Whether an edge of a triangle in the plane has another one on its outer side.
+/// Whether an edge of a triangle in the plane has another triangle on its outer side.
 bool is_beside(const std::array<Vector3f, 3>& one, const std::array<Vector3f, 3>& other) {
   for (std::size_t k = 0; k < 3; ++k) {
     const Eigen::Vector3d a = one[k].cast<double>(), b = one[(k + 1) % 3].cast<double>();
@@ -189,7 +189,7 @@ bool is_beside(const std::array<Vector3f, 3>& one, const std::array<Vector3f, 3>
 
 TEST(TriangulateGreedy, OverlapsNowhereInThePlane) {
   for (std::uint64_t trial = 0; trial < 100; ++trial) {
-    // Denser and denser to the left.
+    // Points with density increasing to the left.
     Oriented cloud = square(200, trial);
     for (float& x : cloud.points.span().x) x = x * x * x;
     std::vector<std::array<Vector3f, 3>> all;
@@ -227,24 +227,24 @@ TEST(TriangulateGreedy, BearsNoise) {
 }
 
 TEST(TriangulateGreedy, StaysAManifoldOnRandomNormals) {
-  // Nothing sensible: points in a ball with normals anywhere.
+  // Random input without a surface: points in a ball with random normals.
   Random random;
   Oriented cloud;
   for (int i = 0; i < 2000; ++i)
     cloud.add(random.direction() * random.uniform(0, 1), random.direction());
   const Triangles triangles = triangulate(cloud, {.max_normal_angle_deg = 90});
   EXPECT_GT(triangles.size(), 100U);
-  reference::count_open_edges(triangles);  // expects each edge once a side
+  reference::count_open_edges(triangles);  // fails where a side of an edge has two triangles
   EXPECT_TRUE(agree_with_normals(cloud, triangles));
 
-  // Many points in one direction from another.
+  // Many points that lie in one direction from another point.
   for (std::size_t i = 0; i < cloud.points.size(); ++i)
     cloud.points.set(i, (5 * cloud.points[i]).array().round().matrix());
   reference::count_open_edges(triangulate(cloud, {.max_normal_angle_deg = 90}));
 }
 
 TEST(TriangulateGreedy, FollowsTheDensityOfThePoints) {
-  // The left half is 16 times as dense.
+  // The left half has 16 times the density.
   Oriented cloud;
   for (const auto& [n, left] : {std::pair{1600U, 0.0F}, {100U, 0.5F}}) {
     const Oriented half = square(n, n);
@@ -272,7 +272,7 @@ TEST(TriangulateGreedy, LeavesHolesOpenThatAreLargerThanTheReach) {
 
 TEST(TriangulateGreedy, KeepsParallelSheetsApart) {
   for (const bool same_side : {true, false}) {
-    // Two spacings apart if both face up, else as thin as paper.
+    // Two sheets, two spacings apart if both face up, else nearly coincident.
     const float height = (same_side ? 2 : 0.05F) * square(1500).spacing;
     Oriented cloud;
     const Oriented lower = square(1500, 1), upper = square(1500, 2);
@@ -290,7 +290,7 @@ TEST(TriangulateGreedy, KeepsParallelSheetsApart) {
 TEST(TriangulateGreedy, LeavesPointsOutThatAreNotFiniteWithoutANormalOrRepeated) {
   const Oriented clean = sheet(500);
   Oriented spoilt;
-  std::vector<std::uint32_t> of_clean;  // where its points are in the spoilt one
+  std::vector<std::uint32_t> of_clean;  // indices of its points in the spoilt cloud
   Random random(1);
   for (std::size_t i = 0; i < 500; ++i) {
     const Vector3f p = clean.points[i], n = clean.normals[i];
@@ -327,7 +327,7 @@ TEST(TriangulateGreedy, BearsPointsStraightAboveOthers) {
     cloud.add({static_cast<float>(i), static_cast<float>(i), 0.25F}, Vector3f::UnitZ());
   const Triangles triangles = triangulate(cloud);
   EXPECT_NEAR(area(cloud, triangles), 19.0 * 19, 19);
-  reference::count_open_edges(triangles);  // expects each edge once a side
+  reference::count_open_edges(triangles);  // fails where a side of an edge has two triangles
 }
 
 TEST(TriangulateGreedy, ReachesNoOutliers) {
@@ -363,7 +363,8 @@ TEST(TriangulateGreedy, TakesAFewPoints) {
 }
 
 TEST(TriangulateGreedy, MovesWithTheCloud) {
-  // Axes swapped and a power of two as scale: no coordinate is rounded, only its use is.
+  // The axes are swapped and the scale is a power of two: only the arithmetic rounds, not the
+  // coordinates.
   const Oriented cloud = sheet(2000);
   Eigen::Matrix3f turn;
   turn << 0, 0, 1, 1, 0, 0, 0, 1, 0;
@@ -372,7 +373,8 @@ TEST(TriangulateGreedy, MovesWithTheCloud) {
   moved.normals = test::transformed(cloud.normals, turn, Vector3f::Zero());
   EXPECT_EQ(as_set(triangulate(moved)), as_set(triangulate(cloud)));
 
-  // Anywhere else rounding may decide between two diagonals of almost one circle.
+  // For any other motion, rounding may choose between two diagonals of four nearly concyclic
+  // points.
   Random random(1);
   const Pose motion = random.motion();
   moved.points = test::transformed(cloud.points, motion.linear(), motion.translation());
@@ -390,7 +392,7 @@ TEST(TriangulateGreedy, KeepsItsLimits) {
   EXPECT_LT(triangulate(cloud, {.mu = 1.5F}).size(), triangulate(cloud).size());
   EXPECT_GT(triangulate(cloud, {.max_neighbors = 8}).size(), triangulate(cloud).size() / 2);
 
-  // Two faces that meet at a right angle stay apart, as the normals of the corners say.
+  // Two faces at a right angle stay separate, as the normals of the corners require.
   Oriented edge;
   const Oriented face = square(600);
   for (std::size_t i = 0; i < 600; ++i) {

@@ -28,13 +28,13 @@ DepthScan facing_plane(std::uint32_t width, std::uint32_t height) {
   return depth_scan(width, height, [](float, float) { return 1.0F; });
 }
 
-/// A plane across which the line of sight at the image's middle falls at this angle to the normal.
+/// A plane that the line of sight at the image's center meets at this angle to the normal.
 DepthScan slanted_plane(float angle_deg) {
   const float slope = std::tan(angle_deg * std::numbers::pi_v<float> / 180);
   return depth_scan(5, 5, [&](float a, float) { return 1 / (1 - slope * a); });
 }
 
-/// A wavy sheet with a step in depth and holes.
+/// A wavy sheet with a depth step and holes.
 DepthScan rough_scan() {
   Random random;
   return depth_scan(40, 30, [&](float a, float b) {
@@ -50,7 +50,7 @@ Triangles triangulate(const DepthScan& scan, const GridTriangulationOptions& opt
   return triangulate_grid(scan.grid, scan.points, viewpoint, everywhere, options, stats);
 }
 
-/// Corners with their winding, from the lowest on; rising.
+/// Triangles with their winding, each from its lowest corner, in ascending order.
 std::vector<std::array<std::uint32_t, 3>> sorted(const Triangles& triangles) {
   std::vector<std::array<std::uint32_t, 3>> all;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -91,7 +91,8 @@ TEST(TriangulateGrid, HasEachEdgeOncePerSideOnRoughScans) {
   const DepthScan rough = rough_scan();
   const Triangles triangles = triangulate(rough);
   EXPECT_GT(triangles.size(), 1000U);
-  EXPECT_GT(reference::count_open_edges(triangles), 0U);  // also expects each edge once a side
+  EXPECT_GT(reference::count_open_edges(triangles),
+            0U);  // also fails where a side of an edge has two triangles
   EXPECT_TRUE(all_face(rough, triangles, Vector3f::Zero()));
 }
 
@@ -134,7 +135,7 @@ TEST(TriangulateGrid, CutsAStepInDepth) {
 }
 
 TEST(TriangulateGrid, JudgesAStepByTheFootprintThere) {
-  // The same step is 10 footprints near the sensor and 1 far away.
+  // The same step is 10 pixel footprints near the sensor and 1 far away.
   const auto two_depths = [](float z) {
     return depth_scan(4, 4, [z](float a, float) { return a < 0 ? z : z + 0.1F; });
   };
@@ -188,7 +189,7 @@ TEST(TriangulateGrid, LeavesOutTrianglesWithoutAnArea) {
 }
 
 TEST(TriangulateGrid, CountsWhatIsSeenFromBehind) {
-  // A sheet that turns back over itself, which no sensor at the origin could see.
+  // A sheet that folds back over itself, which no sensor at the origin could see.
   DepthScan folded = facing_plane(9, 3);
   for (std::size_t i = 0; i < folded.points.size(); ++i) {
     const std::size_t u = i % 9;

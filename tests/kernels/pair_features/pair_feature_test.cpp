@@ -15,7 +15,7 @@ using Eigen::Vector3f;
 using test::OrientedCloud;
 using test::Random;
 
-// fast_atan2 is good to 1e-6; the cross products of rounded unit normals add as much again.
+// fast_atan2 is accurate to 1e-6; the cross products of rounded unit normals add as much again.
 constexpr double kAngleTolerance = 2e-6;
 
 struct Features {
@@ -35,7 +35,7 @@ Features features_of(const OrientedCloud& cloud, std::size_t reference) {
                      cloud.points, cloud.normals);
 }
 
-/// Directions at random, along the axes, and at the seam of the frame's construction.
+/// Directions at random, along the axes, and at the seam of the local frame's construction.
 std::vector<Vector3f> directions(Random& random) {
   std::vector<Vector3f> out{{1, 0, 0}, {-1, 0, 0}, {0, 1, 0},     {0, -1, 0},
                             {0, 0, 1}, {0, 0, -1}, {1, 0, -0.0F}, {0.6F, 0.8F, -1e-7F}};
@@ -72,7 +72,7 @@ TEST(PairFeature, AgreesWithTheDefinition) {
         EXPECT_NEAR(found.a1[i], expected.angle_n1_d, kAngleTolerance);
         EXPECT_NEAR(found.a2[i], expected.angle_n2_d, kAngleTolerance);
         EXPECT_NEAR(found.a3[i], expected.angle_n1_n2, kAngleTolerance);
-        // A point near the axis turns quickly: its place, not its angle, is known.
+        // A point near the axis has an uncertain angle, so its position is compared instead.
         EXPECT_NEAR(std::remainder(found.rotation[i] - expected.rotation, 2 * reference::kPi) *
                         std::sin(expected.angle_n1_d),
                     0, kAngleTolerance);
@@ -118,7 +118,7 @@ TEST(PairFeature, StaysUnderARigidMotion) {
     const Features after = features_of(test::moved(cloud, random.motion()), 0);
     for (std::size_t i = 1; i < 100; ++i) {
       EXPECT_NEAR(after.distance[i], before.distance[i], 2e-6);
-      EXPECT_NEAR(after.a1[i], before.a1[i], 2e-5);  // moved points carry 1e-7 of rounding each
+      EXPECT_NEAR(after.a1[i], before.a1[i], 2e-5);  // moved points are rounded by 1e-7 each
       EXPECT_NEAR(after.a2[i], before.a2[i], 2e-5);
       EXPECT_NEAR(after.a3[i], before.a3[i], 2e-5);
     }
@@ -138,7 +138,7 @@ TEST(PairFeature, SignFollowsFromTheRotation) {
     Pose turn = Pose::Identity();
     turn.linear() = Eigen::AngleAxisf(alpha, Vector3f::UnitX()).toRotationMatrix();
     const Pose found = T_s.inverse() * turn * T_m;
-    // The first point and normal hold by construction, the second point by the angle.
+    // The first point and normal agree by construction, the second point by the angle.
     EXPECT_LT((found * model.points[0] - scene.points[0]).norm(), 1e-5);
     EXPECT_LT((found * model.points[1] - scene.points[1]).norm(), 1e-5);
     EXPECT_LT((found.linear() * model.normals[1] - scene.normals[1]).norm(), 1e-3);
@@ -195,7 +195,7 @@ TEST(PairKey, AgreesWithTheDefinitionAwayFromBorders) {
         EXPECT_LT(*expected, q.num_cells());
         if (std::sin(f.angle_n1_d) > 0.1) {
           EXPECT_LE(reference::units_between(found.rotations[i], reference::turn_units(f.rotation)),
-                    0.6);  // rounding to a unit, and 1e-6 rad is a hundredth
+                    0.6);  // rounding to integers, and 1e-6 rad is a hundredth
         }
       }
     }
@@ -215,7 +215,7 @@ TEST(PairKey, PutsHalfATurnInTheLastBinAndTheLimitOutside) {
             (std::vector<std::uint32_t>{q.num_cells() - 1, kNoCell, kNoCell, kNoCell}));
 }
 
-// A scene is quantized once for models of several sizes.
+// A scene is quantized once for models of different sizes.
 TEST(PairKey, IsThatOfALargerTable) {
   Random random;
   const OrientedCloud cloud = test::random_oriented(random, 200);

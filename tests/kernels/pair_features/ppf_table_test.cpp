@@ -25,7 +25,7 @@ struct Table {
   bool operator==(const Table&) const = default;
 };
 
-/// The table of pairs that start at the first num_references points.
+/// The table of point pairs that start at the first num_references points.
 Table build(const PpfPoints& model, std::size_t num_references, std::size_t num_chunks) {
   const std::size_t num_cells = kQuantization.num_cells();
   const auto chunk_first = [&](std::size_t chunk) { return num_references * chunk / num_chunks; };
@@ -49,7 +49,7 @@ Table build(const PpfPoints& model, std::size_t num_references, std::size_t num_
   return table;
 }
 
-/// A random cloud without pairs so near a bin border that rounding chooses their cell.
+/// A random cloud without pairs so close to a bin border that rounding chooses their cell.
 OrientedCloud clear_cloud(Random& random, std::size_t n) {
   OrientedCloud cloud;
   while (cloud.points.size() < n) {
@@ -92,7 +92,7 @@ NaiveTable naive_table(const OrientedCloud& model, Keep&& keep) {
   return table;
 }
 
-/// Each entry of a table is one of the naive table and the other way round.
+/// Expects each entry of a table in the naive table and the other way round.
 void expect_equal(const Table& table, NaiveTable naive) {
   ASSERT_EQ(table.offsets.front(), 0U);
   ASSERT_EQ(table.offsets.back(), table.entries.size());
@@ -123,7 +123,7 @@ TEST(PpfTable, HoldsAllPairsOfRandomModels) {
 
 TEST(PpfTable, IsSortedByCellReferenceAndAngle) {
   Random random;
-  // Twins of each point make cells with several entries of one reference.
+  // Duplicate points make cells with several entries of one reference.
   OrientedCloud model = test::random_oriented(random, 40);
   for (std::size_t i = 0; i < 80; ++i) {
     model.points.push_back(model.points[i % 40] + Vector3f::Constant(random.uniform(0, 0.01F)));
@@ -208,9 +208,10 @@ TEST(PpfTable, CountingFillingAndSortingAllocateNothing) {
             0U);
 }
 
-const Vector3f kCenter(1, 2, 3);  // of the symmetric models
+const Vector3f kCenter(1, 2, 3);  // of symmetric models
 
-/// Random points and all their images: orbit k is points [k * size, (k + 1) * size).
+/// Random points and all their images under the symmetry: orbit k is points [k * size, (k + 1) *
+/// size).
 struct Orbits {
   Points points;
   std::size_t size;
@@ -226,7 +227,7 @@ Orbits orbits_of(Random& random, const std::vector<Pose>& symmetries, std::size_
   return orbits;
 }
 
-/// Every orbit has a reference, and hardly more than one.
+/// Expects a reference in every orbit, and hardly more than one.
 void expect_one_of_each_orbit(const Orbits& orbits, const Symmetry& symmetry) {
   std::vector<std::uint8_t> chosen(orbits.points.size(), 2);
   choose_references(orbits.points, symmetry, 0.01F, chosen);
@@ -266,7 +267,7 @@ TEST(ChooseReferences, KeepsAllWithoutSymmetry) {
   EXPECT_EQ(std::ranges::count(chosen, 1), 50);
 }
 
-// Samples do not map onto samples: near each place's circle there must be a reference.
+// Samples do not map onto samples: there must be a reference near the circle of each position.
 TEST(ChooseReferences, KeepsAStripOfARoundBody) {
   for (const bool flips : {false, true}) {
     Random random(flips);
@@ -279,8 +280,7 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
     }
     constexpr float kMargin = 0.05F;
     Points points;
-    for (int i = 0; i < 8000;
-         ++i) {  // a cone's wall when it does not flip, a cylinder's when it does
+    for (int i = 0; i < 8000; ++i) {  // a cone's wall without a flip, a cylinder's with one
       const float h = random.uniform(-1, 1), turn = random.uniform(0, 6.2831853F);
       const float radius = flips ? 1 : 1 + 0.3F * h;
       points.push_back(kCenter + h * direction +
@@ -293,7 +293,7 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (chosen[i] != 0) heights.push_back((points[i] - kCenter).dot(direction));
     }
-    // The strip is 2 margins wide of a circle of 2 pi; flips leave half of it.
+    // The strip is 2 margins wide out of a circle of 2 pi; flips leave half of it.
     const double expected = 8000 * static_cast<double>(kMargin) / reference::kPi / (flips ? 2 : 1);
     EXPECT_NEAR(static_cast<double>(heights.size()), expected, 0.3 * expected);
     for (float h = flips ? 0.05F : -0.95F; h < 0.95F; h += 0.02F) {
@@ -304,7 +304,7 @@ TEST(ChooseReferences, KeepsAStripOfARoundBody) {
   }
 }
 
-/// In order: a marked point stays unless one that stayed is near it and of like direction.
+/// In order: a marked point stays unless a kept point is near it and has a similar direction.
 std::vector<std::uint8_t> naive_spread(const OrientedCloud& cloud, double distance,
                                        std::vector<std::uint8_t> marked) {
   for (std::size_t i = 0; i < marked.size(); ++i) {

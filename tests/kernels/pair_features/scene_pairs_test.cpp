@@ -24,7 +24,7 @@ struct Scratch {
   std::vector<SceneVote> votes;
 };
 
-/// The look-ups of the pairs that begin at a cloud's first point.
+/// The look-ups of the pairs that begin at the first point of a cloud.
 std::vector<SceneVote> collect(const OrientedCloud& cloud, float share) {
   Scratch scratch(cloud.points.size());
   collect_scene_votes(reference_frame(cloud.points[0], cloud.normals[0]),
@@ -43,7 +43,7 @@ double rotation_bin_fraction(double units) {
   return reference::bin_of(units, 65536.0 / kRotationBins).fraction;
 }
 
-/// A random cloud none of whose pairs from the first point hangs on rounding.
+/// A random cloud in which no pair from the first point depends on rounding.
 OrientedCloud clear_cloud(Random& random, std::size_t n, float share) {
   OrientedCloud cloud = test::random_oriented(random, 1);
   while (cloud.points.size() < n) {
@@ -62,7 +62,8 @@ OrientedCloud clear_cloud(Random& random, std::size_t n, float share) {
   return cloud;
 }
 
-/// Every bin a component is looked up in: its own, and one it nearly falls in.
+/// Every bin in which a component is looked up: its bin, and an adjacent one that it nearly falls
+/// in.
 std::vector<std::int64_t> looked_up(const reference::Bin& bin, double share, std::int64_t count) {
   std::vector<std::int64_t> bins{bin.index};
   if (bin.fraction < share && bin.index > 0) {
@@ -129,7 +130,7 @@ TEST(SceneVotes, AreOneCellAtLeastAndSixteenAtMostForAPair) {
   EXPECT_EQ(seen.size(), 5U);
 }
 
-// A large flat region repeats the same pair; what it says counts once.
+// A large flat region repeats the same pair, whose vote counts once.
 TEST(SceneVotes, HoldEachCellAndRotationBinOnce) {
   OrientedCloud plate;
   for (int y = -30; y <= 30; ++y) {
@@ -138,10 +139,11 @@ TEST(SceneVotes, HoldEachCellAndRotationBinOnce) {
       plate.normals.push_back({0, 0, 1});
     }
   }
-  std::swap(plate.points.span().x[0], plate.points.span().x[30 * 61 + 30]);  // the middle first
+  std::swap(plate.points.span().x[0],
+            plate.points.span().x[30 * 61 + 30]);  // moves the middle point to the front
   std::swap(plate.points.span().y[0], plate.points.span().y[30 * 61 + 30]);
   const std::vector<SceneVote> votes = collect(plate, 0);
-  // All angles are right angles or 0: a distance bin has one cell, and that one 32 rotations.
+  // All angles are 0 or right angles: a distance bin has one cell with 32 rotations.
   EXPECT_LE(votes.size(), 9U * kRotationBins);
   EXPECT_GT(votes.size(), 6U * kRotationBins);
   for (std::size_t k = 1; k < votes.size(); ++k) {

@@ -119,7 +119,7 @@ TEST(CastVotes, LeavesOutTheFullestCellsOnlyAndNoMoreThanNeeded) {
     const std::uint64_t all = sum(smaller_than(1000));
     for (const std::uint64_t budget :
          {std::uint64_t{0}, all / 20, all / 3, all - 1, all, 2 * all}) {
-      // The largest power of two below which all cells together stay within the budget.
+      // The limit is the largest power of two that keeps the sum over all cells within the budget.
       std::uint32_t limit = 1;
       while (limit < 64 && sum(smaller_than(2 * limit)) <= budget) limit *= 2;
       const Accumulator expected = smaller_than(limit);
@@ -131,7 +131,7 @@ TEST(CastVotes, LeavesOutTheFullestCellsOnlyAndNoMoreThanNeeded) {
   }
 }
 
-/// Sums over three bins that wrap, the best of each row; then the rows by votes and number.
+/// Sums over three bins with wrap-around, the best of each row; rows sorted by votes, then number.
 std::vector<VotePeak> naive_peaks(const Accumulator& accumulator, std::size_t max_peaks,
                                   double share) {
   std::vector<VotePeak> peaks;
@@ -157,7 +157,7 @@ std::vector<VotePeak> naive_peaks(const Accumulator& accumulator, std::size_t ma
   return peaks;
 }
 
-// Small counts make ties among rows and bins common, and peaks at the seam.
+// Small counts make ties among rows and bins common, and peaks at the seam likely.
 TEST(TakePeaks, AgreesWithNaivePeaksAndLeavesZeros) {
   for (std::uint64_t trial = 0; trial < 300; ++trial) {
     Random random(trial);
@@ -186,7 +186,7 @@ TEST(TakePeaks, FindsNothingInAnEmptyAccumulator) {
   EXPECT_EQ(take_peaks(std::span(accumulator).first(0), kMaxPeaks, 0.5F).count, 0U);
 }
 
-// Three full counters are more than 16 bits hold.
+// The sum of three full counters exceeds 16 bits.
 TEST(TakePeaks, SumsWithoutOverflow) {
   Accumulator accumulator(2 * kRotationBins, 0);
   for (const std::uint32_t bin : {31U, 32U, 62U, 63U})
@@ -210,7 +210,7 @@ TEST(Voting, AllocatesNothing) {
             0U);
 }
 
-/// A model's table of all pairs.
+/// The table of all point pairs of a model.
 struct Table {
   explicit Table(const OrientedCloud& model) : offsets(quantization.num_cells() + 1) {
     const std::size_t n = model.points.size();
@@ -229,7 +229,7 @@ struct Table {
   std::vector<PpfEntry> entries;
 };
 
-// End to end: each point of a moved copy finds its model point and the motion within a bin.
+// End to end: each point of a moved copy finds its model point, and the motion to within a bin.
 TEST(Voting, FindsTheMotionOfACopy) {
   for (std::uint64_t trial = 0; trial < 5; ++trial) {
     Random random(trial);
@@ -248,7 +248,7 @@ TEST(Voting, FindsTheMotionOfACopy) {
       cast_votes(votes, table.view(), kNoLimit, accumulator);
       const VotePeak peak = take_peaks(accumulator, 1, 0.5F).peak[0];
       ASSERT_EQ(peak.model_point, r);
-      EXPECT_GE(peak.votes, 95U);  // its own 99 pairs, less those that rounding takes elsewhere
+      EXPECT_GE(peak.votes, 95U);  // its 99 pairs, less those that rounding moves elsewhere
       Pose turn = Pose::Identity();
       turn.linear() = Eigen::AngleAxisf(peak.rotation_rad, Vector3f::UnitX()).toRotationMatrix();
       const Pose found = frame_pose(frame).inverse() * turn *

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kWindow = 5;
 constexpr float kNoise = 0.001F;
 
-/// A plane in front of a small camera, all of which is labeled.
+/// A plane in front of a small camera, with a label on all pixels.
 struct Wall {
   RangeImage image;
   Plane plane;
@@ -53,7 +53,7 @@ TEST(CorrelatedNoise, IsNoneOfIndependentNoise) {
   const CorrelatedNoise w =
       measure(wall(kSlanted, 0.8F, [&](float, float) { return random.normal(kNoise); }));
   EXPECT_LT(w.height, 0.07F * kNoise);
-  // A window's slope errs by noise / (footprint * sqrt(sum of x^2)) = 0.053.
+  // A window's slope has an error of noise / (footprint * sqrt(sum of x^2)) = 0.053.
   EXPECT_LT(w.slope_rad, 0.01F);
 }
 

@@ -17,7 +17,7 @@ using test::depth_scan;
 using test::DepthScan;
 using test::Random;
 
-// A slanted, noisy sheet with a step in depth and holes.
+// A slanted, noisy sheet with a depth step and holes.
 DepthScan rough_scan(std::uint32_t width, std::uint32_t height) {
   Random random(width);
   return depth_scan(width, height, [&](float a, float b) {
@@ -113,7 +113,8 @@ TEST(EstimateNormalsGrid, AgreesWithReferenceOnRoughScans) {
           ASSERT_EQ(std::isnan(found.normals[i].x()), !expected.plane);
           ASSERT_EQ(std::isnan(found.residuals[i]), !expected.plane);
           if (!expected.plane) continue;
-          // Sums over up to 441 floats: 441 * 6e-8 of the widest spread, against the noise's 1e-3.
+          // The bound: sums over up to 441 floats, 441 * 6e-8 of the widest spread, relative to the
+          // noise of 1e-3.
           const Eigen::Vector3d n = found.normals[i].cast<double>();
           ASSERT_LT((n - expected.plane->normal).norm(), 3e-4);
           ASSERT_NEAR(found.residuals[i], expected.plane->residual, 3e-6);
@@ -131,12 +132,12 @@ TEST(EstimateNormalsGrid, IsTheNormalOfASlantedPlane) {
   const Estimate found = estimate(s);
   for (std::size_t i = 0; i < s.points.size(); ++i) {
     ASSERT_LT((found.normals[i].cast<double>() - normal).norm(), 1e-4);
-    ASSERT_LT(found.residuals[i], 2e-5);  // the root of a float's rounding, times the window
+    ASSERT_LT(found.residuals[i], 2e-5);  // square root of float rounding, times the window
   }
 }
 
 TEST(EstimateNormalsGrid, NeverBlendsAcrossAStepInDepth) {
-  // Two walls that face the camera, one behind the other: any blend would tilt a normal.
+  // Two walls that face the camera, one behind the other: blending them would tilt a normal.
   const DepthScan s = depth_scan(60, 40, [](float a, float) { return a < 0 ? 1.0F : 1.2F; });
   for (const std::uint32_t window : {1U, 2U, 3U}) {
     const Estimate found = estimate(s, {.window = window, .min_points = 3});
@@ -147,7 +148,7 @@ TEST(EstimateNormalsGrid, NeverBlendsAcrossAStepInDepth) {
 }
 
 TEST(EstimateNormalsGrid, UsesTheWholeWindowOfASlantedSurface) {
-  // At 60 degrees the farthest of the 49 pixels is 2.2 times as far off as on a frontal surface.
+  // At 60 degrees the farthest of the 49 pixels is 2.2 times as far as on a frontal surface.
   const float slope = std::tan(1.0472F);
   const DepthScan s = depth_scan(40, 30, [&](float a, float) { return 1 / (1 - slope * a); });
   const Estimate found = estimate(s, {.window = 3, .min_points = 49});

@@ -14,7 +14,7 @@ using test::Random;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-/// Oriented points that stand for a piece of surface each, and which plane they were made on.
+/// Oriented points, each a sample of a surface, and the plane on which each was generated.
 struct Surfaces {
   Points points;
   Normals normals;
@@ -27,8 +27,8 @@ struct Surfaces {
     areas.push_back(area);
     made_on.push_back(plane);
   }
-  /// A rectangle of these half sides, its normal +z before the motion, with noise across and of
-  /// the normals.
+  /// A rectangle of these half sides. Its normal is +z before the motion; positions and normals are
+  /// noisy.
   void add_rectangle(Random& random, std::size_t n, const Pose& T, float a, float b, float noise,
                      int plane) {
     for (std::size_t i = 0; i < n; ++i) {
@@ -169,7 +169,7 @@ TEST(LabelPlanes, NumbersPointsByThePlaneTheyLieOn) {
     EXPECT_EQ(labels[i], expected);
     wrong += labels[i] != s.made_on[i];
   }
-  EXPECT_LT(wrong, 100);  // clutter on a plane, and where the two cross
+  EXPECT_LT(wrong, 100);  // clutter on a plane, and the crossing of the two
 }
 
 TEST(LabelPlanes, TakesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {

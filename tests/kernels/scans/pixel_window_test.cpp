@@ -40,7 +40,8 @@ TEST(WindowOfBall, HoldsEveryPixelThatSeesTheBall) {
   EXPECT_GT(num_seen, 10000);
 }
 
-// On the axis, the ball's outline has the tangent of asin(r / z): 60 * tan(asin(0.1)) = 6.03.
+// On the axis, the tangent of the ball's outline is that of asin(r / z): 60 * tan(asin(0.1)) =
+// 6.03.
 TEST(WindowOfBall, IsNoWiderThanTheOutlineAndAPixelOnEitherSide) {
   const PixelWindow window = window_of_ball(kCamera, kWidth, kHeight, {0, 0, 5}, 0.5);
   EXPECT_EQ(window.left, 24U);  // ceil(30.5 - 6.03) - 1
@@ -69,7 +70,7 @@ TEST(PixelWindow, OverlapsWhereBothHaveAPixel) {
   EXPECT_FALSE(window.overlaps({12, 12, 0, 3}));
 }
 
-// The pixel that was (left, top) looks along the same ray as (0, 0) of the window's camera.
+// The pixel at (left, top) has the same ray as (0, 0) of the window's camera.
 TEST(CameraOfWindow, ShiftsTheMiddle) {
   const Camera camera = camera_of_window(kCamera, {10, 20, 5, 5});
   EXPECT_EQ((0 - camera.cx) / camera.fx, (10 - kCamera.cx) / kCamera.fx);

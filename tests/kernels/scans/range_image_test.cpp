@@ -19,7 +19,7 @@ struct Scan {
   Points points;
 };
 
-/// A wavy wall seen by a camera, with holes, and with this noise of the pixel positions.
+/// A wavy wall seen by a camera, with holes and this noise of the pixel positions.
 Scan scan_of(Random& random, const Camera& camera, double pixel_noise = 0) {
   Scan scan{{80, 60, {}}, {}};
   scan.grid.point_index.assign(80 * 60, PixelGrid::kNone);
@@ -118,7 +118,8 @@ TEST(ChooseCamera, LeavesTwoPointsAPixelAndFewHoles) {
     const auto occupied = static_cast<double>(points_of_pixel.size());
     EXPECT_NEAR(20'000 / occupied, 2, 0.15);
 
-    // At random, 1.6 points a pixel leave exp(-1.6) empty: a fifth; they must be lone ones.
+    // With 1.6 random points per pixel, exp(-1.6) are empty, a fifth; the empty pixels must be
+    // isolated.
     const PixelGrid grid = rasterize(*camera, points);
     Column<float> depth(grid.point_index.size(), 0);
     std::size_t inner = 0, empty = 0;
@@ -157,7 +158,7 @@ TEST(ChooseCamera, CountsPointsInOnePlaceOnce) {
 }
 
 TEST(ChooseCamera, TellsNoDirectionsApartThatFloatsDoNot) {
-  Points line;  // of sight, but for what rounding leaves
+  Points line;  // of sight, up to rounding
   for (int i = 0; i < 1000; ++i)
     line.push_back(Vector3f(0.1F, 0.2F, 0.7F) * (1 + 0.001F * static_cast<float>(i)));
   if (const auto camera = choose_camera(line, {0, 0, 0}); camera) {
@@ -178,7 +179,7 @@ TEST(ChooseCamera, TakesTheGivenPixelUnlessTheImageGrowsTooLarge) {
   const Points points = random.surface(20'000);
   const auto coarse = choose_camera(points, {0, 0, 4}, 0.1F);
   ASSERT_TRUE(coarse);
-  EXPECT_NEAR(4 / coarse->fx, 0.1, 0.005);  // at the middle, 4 away
+  EXPECT_NEAR(4 / coarse->fx, 0.1, 0.005);  // at the center, 4 away
   EXPECT_NEAR(coarse->width, 22, 3);
   const auto fine = choose_camera(points, {0, 0, 4}, 1e-6F);
   ASSERT_TRUE(fine);
@@ -207,7 +208,7 @@ TEST(Rasterize, KeepsTheNearestPointOfEachPixel) {
   Points points;
   Normals normals;
   for (int i = 0; i < 2000; ++i) {
-    const float z = 1 + static_cast<float>(random.below(8)) / 4;  // ties on purpose
+    const float z = 1 + static_cast<float>(random.below(8)) / 4;  // deliberate ties
     const Vector3f p(random.uniform(-0.6F, 0.6F), random.uniform(-0.6F, 0.6F), 1);
     const float side = random.below(9) == 0 ? -1.0F : 1.0F;  // some are behind the camera
     points.push_back(g.T_camera_scene.inverse() * (side * z * p));
@@ -237,7 +238,7 @@ TEST(Rasterize, KeepsTheNearestPointOfEachPixel) {
   }
 }
 
-// Ties go to the lowest index: exact copies of one point.
+// Ties between exact copies of a point go to the lowest index.
 TEST(Rasterize, PrefersTheFirstOfEqualPoints) {
   ImageGeometry g{Pose::Identity(), 10, 10, 4.5F, 4.5F, 10, 10};
   Points points;
@@ -256,7 +257,7 @@ TEST(FillSmallHoles, GivesTheMeanOfLikeNeighbors) {
   Patch patch;
   patch.depth[12] = 0;
   patch.depth[6] = 2.25F;
-  patch.depth[7] = 0;  // borders another hole: both are filled from what was measured
+  patch.depth[7] = 0;  // borders another hole: both are filled from measurements
   EXPECT_EQ(fill_small_holes(patch.geometry, 0.25F, 4, patch.depth), 2U);
   EXPECT_EQ(patch.depth[12], (6 * 2 + 2.25F) / 7);
   EXPECT_EQ(patch.depth[7], (6 * 2 + 2.25F) / 7);

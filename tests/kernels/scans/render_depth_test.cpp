@@ -66,7 +66,7 @@ TEST(RenderDepth, AgreesWithASphere) {
   EXPECT_GT(seen, 200);
 }
 
-// On the plane n . p = h the depth is h / (n . ray), the ray having 1 for its z.
+// On the plane n . p = h the depth is h / (n . ray), where the ray has z = 1.
 TEST(RenderDepth, AgreesWithATiltedPlane) {
   Shape plane;
   plane.add({-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0});

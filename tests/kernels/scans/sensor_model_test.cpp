@@ -16,7 +16,7 @@ constexpr std::size_t kWidth = 640, kHeight = 480;
 constexpr std::size_t kColumns = kWidth / kPatchSide, kRows = kHeight / kPatchSide;
 constexpr double kPrior = 1.5;
 
-/// One value a pixel.
+/// One value per pixel.
 using Field = std::vector<float>;
 
 template <class Value>
@@ -31,16 +31,16 @@ Field field_of(Value&& value) {
 
 float flat(float, float) { return 0.8F; }
 float slanted(float u, float v) { return 1 / (1.2F - 4e-4F * u + 3e-4F * v); }
-/// Between 0.77 and 0.83, some 100 pixels from hill to dale.
+/// Depth between 0.77 and 0.83, with some 100 pixels from hill to valley.
 float hilly(float u, float v) { return 0.8F + 0.03F * std::sin(u / 30) * std::cos(v / 40); }
-/// From 1 to 3, evenly in its logarithm.
+/// Depth from 1 to 3, uniform in its logarithm.
 float receding(float u, float) { return std::pow(3.0F, u / static_cast<float>(kWidth - 1)); }
 
 Field independent(test::Random& random, float sigma) {
   return field_of([&](float, float) { return random.normal(sigma); });
 }
 
-/// Means over windows of 5 x 5 pixels, as a camera that matches windows errs.
+/// Means over windows of 5 x 5 pixels, like the errors of a camera that matches windows.
 Field averaged(const Field& field) {
   return field_of([&](float u, float v) {
     float sum = 0, n = 0;
@@ -85,7 +85,8 @@ TEST(SensorModel, TakesIndependentNoiseForThatOnPlanesAndOnCurvedSurfaces) {
   test::Random random;
   for (const auto surface : {flat, slanted, hilly}) {
     const SensorModel model = model_of(sum_of(field_of(surface), independent(random, 1e-3F)));
-    // 800 correlations with a spread of 1 / sqrt(220): their median errs by 0.003, and 0.2 is 1.
+    // 800 correlations with a spread of 1 / sqrt(220): their median has an error of 0.003, and 0.2
+    // maps to 1.
     EXPECT_LT(model.correlation, 0.05F);
     EXPECT_LT(model.edge_pixels(), 0.25F);
     EXPECT_LT(model.correlated_noise.height, 0.1F * 1e-3F);
@@ -105,7 +106,7 @@ TEST(SensorModel, TellsNoiseThatWindowsShare) {
 TEST(SensorModel, TellsMixturesByWhatIsShared) {
   test::Random random;
   float before = 0;
-  // Of 1e-3 of independent noise and so much that neighbors share.
+  // Independent noise of 1e-3 and the listed noise shared by neighboring pixels.
   for (const float sigma : {1e-3F, 2e-3F, 5e-3F}) {
     const Field shared = averaged(independent(random, sigma));
     const SensorModel model =
@@ -123,8 +124,8 @@ TEST(SensorModel, TellsHowNoiseGrowsWithRange) {
       const float range = receding(u, v);
       return range + random.normal(5e-4F * std::pow(range, exponent));
     });
-    // Eight bins 0.13 apart in log range, of 311 patches each: sqrt(311) * 0.13^2 * 42 = 12.5 is
-    // what they weigh, beside the prior's 5.
+    // Eight bins 0.13 apart in log range, with 311 patches each: their weight is sqrt(311) * 0.13^2
+    // * 42 = 12.5, that of the prior 5.
     constexpr double kPull = 5 / (12.5 + 5);
     const double truth = static_cast<double>(exponent);
     EXPECT_NEAR(model_of(depth, 1.7F).exponent, truth + kPull * (kPrior - truth), 0.08) << truth;
@@ -165,7 +166,7 @@ TEST(SensorModel, SuspectsShapeInAllButTheSmoothestPatches) {
 
 TEST(SensorModel, LaysNoPatchOverAStepOrAHole) {
   test::Random random;
-  // Column 14 of patches is the one from pixel 154 to 164.
+  // Column 14 of the patches covers pixels 154 to 164.
   const Field noise = independent(random, 1e-3F);
   Field depth = sum_of(field_of([](float u, float) { return u < 160 ? 1.0F : 2.0F; }), noise);
   std::vector<SmoothPatch> patches = patches_of(image_of(depth));
@@ -201,7 +202,7 @@ TEST(SensorModel, GivesTheSamePatchesForAnySplitIntoRows) {
   }
 }
 
-/// The patch whose upper left pixel is (u, v), by normal equations over 1 / depth.
+/// The patch with the upper left pixel (u, v), by normal equations over 1 / depth.
 SmoothPatch naive_patch(const RangeImage& image, std::size_t u, std::size_t v) {
   constexpr auto kSide = static_cast<Eigen::Index>(kPatchSide);
   Eigen::MatrixXd terms(kSide * kSide, 6);

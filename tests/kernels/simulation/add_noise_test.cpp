@@ -16,7 +16,7 @@ using Eigen::Vector3f;
 
 constexpr std::size_t kMany = 20000;
 
-/// Of a set of numbers. Tolerances are 5 standard errors: a right kernel fails once in 2 million.
+/// Moments of a sample. Tolerances are 5 standard errors: a correct kernel fails once in 2 million.
 struct Moments {
   double n, mean, sigma, kurtosis;
 
@@ -49,7 +49,7 @@ std::vector<double> differences(std::span<const float> a, std::span<const float>
   return out;
 }
 
-/// All kinds, for claims that hold for each.
+/// All noise kernels, for properties common to them.
 using Kernel = std::function<void(PointsView, std::uint64_t, std::size_t, PointsSpan)>;
 const std::vector<Kernel> kKernels{
     [](PointsView points, std::uint64_t seed, std::size_t first, PointsSpan out) {
@@ -93,7 +93,7 @@ TEST(AddNoise, DiffersBySeed) {
     const Points a = disturbed(kernel, points, 1), b = disturbed(kernel, points, 2);
     const double r = correlation(differences(a.view().x, points.view().x),
                                  differences(b.view().x, points.view().x));
-    // Shot noise leads from each place towards the middle: its shifts go together by its nature.
+    // Shot noise shifts each point towards the middle, so its shifts are correlated by design.
     if (&kernel != &kKernels[2]) {
       EXPECT_NEAR(r, 0, 5 / std::sqrt(kMany));
     }
@@ -125,7 +125,7 @@ TEST(AddNoise, LeavesWhatIsNotFinite) {
 }
 
 TEST(AddGaussianNoise, HasTheStandardDeviationOnEveryAxis) {
-  const Points points(kMany);  // all at the origin: no rounding but that of the noise itself
+  const Points points(kMany);  // all at the origin: only the noise is rounded
   for (const float sigma : {1e-3F, 1.0F, 250.0F}) {
     Points out(kMany);
     add_gaussian_noise(points, sigma, 5, 0, out);
@@ -160,7 +160,7 @@ TEST(AddRayNoise, MovesAlongTheRayByTheStandardDeviation) {
     const Vector3d ray = (points[i] - viewpoint).cast<double>().normalized();
     const Vector3d moved = (out[i] - points[i]).cast<double>();
     along.push_back(ray.dot(moved));
-    // Coordinates below 16 are rounded to 2^-21 and less, differences of them once more.
+    // Coordinates below 16 are rounded to 2^-21 or less, and their differences once more.
     ASSERT_LT((moved - along.back() * ray).norm(), 1e-5);
   }
   Moments(along).expect_normal(0.5);
@@ -182,12 +182,12 @@ TEST(AddRayNoise, TurnsWithTheCloud) {
   add_ray_noise(points, viewpoint, 0.5F, 5, 0, out);
   add_ray_noise(test::transformed(points, quarter, Vector3f::Zero()), quarter * viewpoint, 0.5F, 5,
                 0, turned);
-  // The order of a sum of three squares may move its last bit.
+  // The order of a sum of three squares may change the last bit.
   for (std::size_t i = 0; i < 500; ++i) EXPECT_LT((turned[i] - quarter * out[i]).norm(), 1e-5F);
 }
 
 TEST(AddShotNoise, MovesTheShareUniformlyIntoTheBox) {
-  const Points points = [] {  // outside the box: what moved is seen
+  const Points points = [] {  // outside the box, so that moved points are detected
     Points out(kMany);
     for (std::size_t i = 0; i < kMany; ++i) out.set(i, {50, 50, 50});
     return out;

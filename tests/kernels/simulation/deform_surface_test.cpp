@@ -9,7 +9,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// Points all over a cube of two diameters, in which every wave runs through its phases.
+/// Points throughout a cube of two diameters, in which every wave passes through all its phases.
 Points cube(std::size_t n) {
   test::Random random(1);
   Points points;
@@ -43,7 +43,7 @@ TEST(DeformSurface, IsSmooth) {
   deform_surface(after, 1, 0.01, 7);
   for (std::size_t i = 1; i < near.size(); ++i) {
     const Eigen::Vector3f step = (after[i] - near[i]) - (after[i - 1] - near[i - 1]);
-    // Steepest where all six waves rise at once: height 0.0058 times 2 pi / 0.4 each.
+    // The slope is greatest where all six waves rise at once: height 0.0058 times 2 pi / 0.4 each.
     EXPECT_LT(step.norm(), 6 * 0.0058 * 2 * 3.1416 / 0.4 * 0.001);
   }
 }

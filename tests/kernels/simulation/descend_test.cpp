@@ -48,7 +48,7 @@ TEST(Descend, SlidesDownASlopeThatIsSteeperThanFriction) {
     return descend(foot({0, 0, 0}, slope), center, 0.4, 0.01, friction);
   };
   EXPECT_LT(move(std::tan(slope) + 0.05).shift.norm(), 1e-4) << "it sticks";
-  // Along the slope acts gravity less friction: fall (sin - friction cos).
+  // The acceleration along the slope is gravity less friction: fall (sin - friction cos).
   for (const double friction : {0.0, 0.2, 0.4}) {
     const Vector3d shift = move(friction).shift;
     EXPECT_NEAR(shift.dot(turn.col(0)), 0.01 * (std::sin(slope) - friction * std::cos(slope)),

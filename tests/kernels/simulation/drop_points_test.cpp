@@ -75,7 +75,8 @@ TEST(KeepAtRandom, IsIndependentOfOtherSeedsAndOfShotNoise) {
 
 TEST(DropHalfSpace, DropsWhatLiesBeyondThePlane) {
   for (const std::size_t n : test::kSmallSizes) {
-    const Points points = test::Random(n).dyadic_cloud(n);  // exact arithmetic: some lie on it
+    const Points points =
+        test::Random(n).dyadic_cloud(n);  // exact arithmetic: some lie on the plane
     Marks keep(n, 1);
     if (n > 0) keep[0] = 0;
     drop_half_space(points, {{1, -2, 0.5F}, 0.25F}, keep);
@@ -123,7 +124,7 @@ TEST(CutShare, HoldsTheShareThatLiesFarthest) {
 }
 
 TEST(CutShare, TakesLessWhereManyLieEquallyFar) {
-  Points points(10);  // two layers: eight at height 1, two at height 2
+  Points points(10);  // two layers: eight points at height 1, two at height 2
   for (std::size_t i = 0; i < 10; ++i)
     points.set(i, {static_cast<float>(i), 0, i < 8 ? 1.0F : 2.0F});
   EXPECT_EQ(num_kept(cut(points, {0, 0, 1}, 0.2)), 8U);

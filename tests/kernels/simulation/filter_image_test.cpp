@@ -38,7 +38,7 @@ std::vector<Named> filters() {
            }}};
 }
 
-/// Whole numbers, so that sums are exact, and holes.
+/// Integers, for exact sums, and holes.
 std::vector<float> image(std::uint64_t seed) {
   std::vector<float> values(kWidth * kHeight);
   for (std::size_t i = 0; i < values.size(); ++i) {

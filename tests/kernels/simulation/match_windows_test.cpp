@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kWidth = 96, kHeight = 64;
 
-/// A pattern whose dots see a disparity each; 0 where none is seen.
+/// A dot pattern, each dot with the disparity that it sees; 0 where it sees none.
 std::vector<float> pattern(const std::function<double(int, int)>& disparity, double share,
                            double noise = 0, std::uint64_t seed = 1) {
   std::vector<float> dots(kWidth * kHeight, kNoDot);
@@ -35,7 +35,7 @@ std::vector<float> match(const std::vector<float>& dots, const WindowMatching& o
   return out;
 }
 
-/// From the definition: all pixels of the window that lie in the image, in double.
+/// The match from the definition: all pixels of the window within the image, in double.
 double reference_match(const std::vector<float>& dots, int u, int v, const WindowMatching& o) {
   struct Dot {
     double disparity, weight;
@@ -88,7 +88,7 @@ TEST(MatchWindows, AgreesWithReferenceOnNoisySteps) {
     if (v > 40 && u > 30 && u < 40) return 0.0;  // not seen
     return u < 48 ? 20.0 : v < 20 ? 20.7 : 24.0;
   };
-  // Weights are whole sixteenths, so that equal sums are equal in float, too.
+  // Weights are whole sixteenths, so that equal sums are also equal in float.
   for (const std::uint32_t half : {1U, 2U, 4U}) {
     const WindowMatching options{.half_window = half,
                                  .taper = 0.5F,
@@ -114,8 +114,8 @@ TEST(MatchWindows, LeavesAFlatWallFlat) {
   EXPECT_GT(std::count_if(out.begin(), out.end(), [](float d) { return d > 0; }), 6000);
 }
 
-// A bar of 30 columns, 12 pixels of disparity before a wall, which shows no dots for 12 columns to
-// its right: in the projector's shadow.
+// A bar of 30 columns, 12 pixels of disparity in front of a wall. The wall shows no dots for 12
+// columns to the right of the bar, in the projector's shadow.
 struct Edges {
   std::vector<double> lit, shadow;  // share of foreground at 1, 2, ... pixels beyond the bar
 };
@@ -158,10 +158,10 @@ TEST(MatchWindows, TurnsFatteningIntoHolesWhereMoreHaveToAgree) {
   EXPECT_LT(strict.shadow[3], 0.05);
 }
 
-// A square recess of L x L pixels, shallower than the reach, in a face: its depth averages over the
-// window. Of the area within half a window of its border, half the window's weight is the face's at
-// the border and none in the middle; over both sides and axes that is (h + 1/2) / L in all, 4.5 / L
-// for a window of 9: about h (h + 1) / (2 h + 1) from each of two pairs of sides.
+// A square recess of L x L pixels in a face, shallower than the matching range: its depth is
+// averaged over the window. Within half a window of the recess's border, the weight of the face is
+// half at the border and zero in the middle. Over both sides and axes that is (h + 1/2) / L in all,
+// 4.5 / L for a window of 9: about h (h + 1) / (2 h + 1) from each of two pairs of sides.
 TEST(MatchWindows, FillsAShallowRecessByAboutHalfAWindowOverItsSide) {
   for (const int side : {20, 32}) {
     double sum = 0, n = 0;

@@ -103,7 +103,7 @@ TEST(MeshSolid, VerticesAndTrianglesStayNearTheSurface) {
   }
 }
 
-// Sharp slivers and gaps below the lattice's resolution are where dual contouring fails.
+// Dual contouring fails at sharp slivers and at gaps below the lattice's resolution.
 TEST(MeshSolid, IsAClosedManifoldHoweverCoarse) {
   for (std::uint64_t seed = 0; seed < 150; ++seed) {
     Random random(seed);

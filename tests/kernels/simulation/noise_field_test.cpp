@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t kWidth = 400, kHeight = 300;
 
-/// Mean product of values so far apart, over many fields.
+/// Mean product of values at this separation, over many fields.
 double correlation(double length, double apart) {
   double sum = 0, n = 0;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {

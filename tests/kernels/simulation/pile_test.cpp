@@ -49,12 +49,12 @@ TEST(Pile, LaysFacesEdgesAndCornersOnBodies) {
   pile.add(kCube.moved(at(0, 0, 0.5F)).vertices, kCube.triangles);
   EXPECT_NEAR(land(pile, kCube.moved(at(0.25F, 0.5F, 5))).shift.z(), 1.5 - 5, 1e-12) << "a face";
   EXPECT_NEAR(land(pile, kCube.moved(at(1.25F, 0, 5))).shift.z(), 0.5 - 5, 1e-12) << "beside it";
-  // Standing on the middle of an edge of its own, sqrt(1/2) below the middle.
+  // A cube balanced on the middle of one of its edges, sqrt(1/2) below its center.
   const float quarter = std::numbers::pi_v<float> / 4;
   EXPECT_NEAR(land(pile, kCube.moved(at(0, 0, 5, {quarter, 0, 0}))).shift.z(),
               1 + std::sqrt(0.5) - 5, 1e-6);
   // An upright cube's edge along y at x = 0.5 meets an edge along x at y = 0, with both bodies'
-  // corners far away: the tilted one's height there is sqrt(1/2).
+  // corners far away: the height of the tilted cube there is sqrt(1/2).
   Pile ridge(4, 0.13, kOpen);
   ridge.add(kCube.moved(at(0, 0, 1, {0, quarter, 0})).vertices, kCube.triangles);
   EXPECT_NEAR(land(ridge, kCube.moved(at(0, 0, 5, {quarter, 0, 0}))).shift.z(),
@@ -77,7 +77,7 @@ TEST(Pile, KeepsBodiesBetweenWalls) {
   EXPECT_TRUE(wall) << "within reach";
 }
 
-// Every shape against every other, turned at random, over cells smaller and larger than a facet.
+// All pairs of shapes, randomly rotated, over cells smaller and larger than a facet.
 TEST(Pile, AgreesWithTheClearanceOfAllPairsOfTriangles) {
   const std::vector<Shape> shapes{kCube, test::ellipsoid({0.5F, 0.7F, 0.3F}, 9),
                                   test::prism(9, test::teeth(3, 0.2), -0.3, 0.3, 0.5),

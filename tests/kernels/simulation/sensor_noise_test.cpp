@@ -14,7 +14,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 TEST(StructuredLightSigma, HasThePublishedValues) {
   EXPECT_DOUBLE_EQ(structured_light_sigma(0.4, 0), 0.0012);
   EXPECT_DOUBLE_EQ(structured_light_sigma(1.4, 59 * kDegree), 0.0031);
-  // At 72 degrees angle / (90 degrees - angle) is 4: 0.1 mm * 16 / sqrt(1) more.
+  // At 72 degrees angle / (90 degrees - angle) is 4: the noise grows by 0.1 mm * 16 / sqrt(1).
   EXPECT_NEAR(structured_light_sigma(1, 72 * kDegree), 0.0012 + 0.0019 * 0.36 + 0.0016, 1e-12);
 }
 

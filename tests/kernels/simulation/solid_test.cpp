@@ -18,7 +18,7 @@ Vector3f random_point(Random& random) {
   return {random.uniform(-1.2F, 1.2F), random.uniform(-1.2F, 1.2F), random.uniform(-1.2F, 1.2F)};
 }
 
-/// Whether the sign of the solid is that of a membership test, away from the border.
+/// Whether the solid's sign agrees with a membership test, away from the border.
 template <class Holds>
 void expect_holds(const Solid& solid, Holds&& holds) {
   Random random;
@@ -46,7 +46,7 @@ TEST(Solid, PrimitivesHoldWhatTheyAreDefinedBy) {
   expect_holds(half_space(normal, 0.2F), [](const Eigen::Vector3d& p) {
     return (p.x() + 2 * p.y() - 2 * p.z()) / 3 < static_cast<double>(0.2F);
   });
-  // A ring with a triangular section.
+  // A ring with a triangular cross section.
   expect_holds(turned(std::array<Vector2f, 3>{{{0.4F, -0.5F}, {1, 0}, {0.4F, 0.5F}}}),
                [](const Eigen::Vector3d& p) {
                  const double left = radius(p) - static_cast<double>(0.4F);
@@ -56,7 +56,7 @@ TEST(Solid, PrimitivesHoldWhatTheyAreDefinedBy) {
   expect_holds(torus(0.7F, 0.25F), [](const Eigen::Vector3d& p) {
     return std::hypot(radius(p) - static_cast<double>(0.7F), p.z()) < 0.25;
   });
-  // The hull of two discs: discs whose center and radius go from one to the other.
+  // The hull of two discs: discs whose center and radius are interpolated between the two.
   expect_holds(oblong(0.5F, 0.2F, 0.6F), [](const Eigen::Vector3d& p) {
     double least = 1;
     for (int k = 0; k <= 100'000; ++k) {
@@ -165,7 +165,7 @@ TEST(Solid, RestrictedToABallHasTheSameValuesThere) {
       EXPECT_EQ(solid.restrict_to(center, ball, near), solid.distance(center));
       for (int k = 0; k < 10; ++k) {
         const Vector3f p = center + random.uniform(0, 0.999F) * ball * random.direction();
-        // Turned by a matrix in place of an angle: equal up to rounding.
+        // Rotation by a matrix instead of an angle: equal up to rounding.
         EXPECT_NEAR(near.distance(p), solid.distance(p), 1e-6F) << "seed " << seed;
       }
     }

@@ -63,7 +63,7 @@ TEST(PadCodes, FillsUpWithZeros) {
 TEST(KeepNearest, LeavesTheNearestInAnyChunks) {
   test::Random random;
   std::vector<std::uint32_t> squared(333);
-  for (std::uint32_t& s : squared) s = random.below(40);  // many are equally near
+  for (std::uint32_t& s : squared) s = random.below(40);  // many equal distances
   std::vector<CodeNeighbor> expected;
   for (std::uint32_t i = 0; i < squared.size(); ++i) expected.push_back({squared[i], 100 + i});
   std::ranges::sort(expected);

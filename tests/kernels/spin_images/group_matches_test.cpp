@@ -16,7 +16,7 @@ struct Matched {
   PointMatches view() const { return {scene, model}; }
 };
 
-/// `right` matches by the pose with a little noise, and `wrong` ones at random, mixed.
+/// A shuffled set of `right` matches that fit the pose with a little noise and `wrong` random ones.
 Matched mix(test::Random& random, const std::vector<Pose>& poses, std::size_t right,
             std::size_t wrong) {
   Matched out;

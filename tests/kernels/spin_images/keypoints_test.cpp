@@ -48,7 +48,7 @@ TEST(UniformKeypoints, AreOneAVoxelTheNearestToItsMean) {
   }
 }
 
-/// A plane with a hill, an edge far from it, and little noise.
+/// A plane with a hill, an edge far from the hill, and little noise.
 struct Terrain {
   Points points;
   Normals normals;
@@ -66,7 +66,7 @@ struct Terrain {
   }
 };
 
-// The salient points nearest to the hill lie on it, and the plane has none that is as salient.
+// The salient points nearest to the hill lie on it, and no point of the plane is as salient.
 TEST(SalientPoints, LieOnAHillAndNotOnThePlane) {
   test::Random random;
   const Terrain terrain(random);
@@ -98,7 +98,7 @@ TEST(SalientPoints, MoveWithTheSurface) {
   std::vector<float> a(moved.size()), b(moved.size());
   const auto expect_alike = [&] {
     const float largest = *std::ranges::max_element(a);
-    std::size_t off = 0;  // a neighbor on the border may fall to the other side
+    std::size_t off = 0;  // a neighbor on the border may fall on the other side
     for (std::size_t i = 0; i < a.size(); ++i) off += std::abs(a[i] - b[i]) > 0.01F * largest;
     EXPECT_LT(off, a.size() / 100);
   };

@@ -20,7 +20,7 @@ using test::support_of;
 constexpr float kRadius = 0.7F;
 const Vector3f kUp(0.1F, 0, 1);
 
-/// A bent sheet without symmetry, around its origin.
+/// A curved sheet without symmetry, around its origin.
 Points sheet(test::Random& random, std::size_t n, float noise = 0) {
   Points points(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -101,7 +101,7 @@ TEST(LocalFrame, SaysHowSurelyTheSurfaceHoldsIt) {
   for (std::size_t i = 0; i < disc.size(); ++i) {
     if (disc[i].y() > 0) half.push_back(disc[i]);
   }
-  // The mean over half a disc with weights (1 - r)^2 is 0.4 x 2 / pi from its middle.
+  // The weighted mean over half a disc with weights (1 - r)^2 is 0.4 x 2 / pi from its center.
   EXPECT_NEAR(local_frame(support_of(half, kRadius), kRadius, kUp).lean, 0.2546F, 0.02F);
   EXPECT_GT(local_frame(support_of(rod, kRadius), kRadius, kUp).first_ratio, 100);
 }
@@ -115,7 +115,7 @@ TEST(LocalFrame, IsNoneWhereNothingIsSpread) {
   EXPECT_TRUE(local_frame(support_of(same, kRadius), kRadius, kUp).axes.isZero());
 }
 
-/// A regular mesh of the sheet's surface.
+/// A regular mesh of the sheet.
 struct Mesh {
   Points vertices;
   Triangles triangles;
@@ -153,7 +153,7 @@ TEST(LocalFrame, IsTheSameOfTrianglesCoarseOrFineAndOfPointsOnThem) {
 TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
   Mesh mesh(40);
   const Matrix3f clean = mesh.frame().axes;
-  mesh.vertices.push_back({0.2F, 0.1F, 5});  // a stray measurement, joined to its neighbors
+  mesh.vertices.push_back({0.2F, 0.1F, 5});  // an outlier, joined to its neighbors
   const auto stray = static_cast<std::uint32_t>(mesh.vertices.size() - 1);
   for (std::uint32_t k = 800; k < 840; ++k) {
     mesh.all.push_back(static_cast<std::uint32_t>(mesh.triangles.size()));
@@ -164,7 +164,8 @@ TEST(LocalFrame, GivesTrianglesOfLongEdgesNoWeight) {
   EXPECT_LT((mesh.frame(0.2F).axes - clean).norm(), 1e-6F);
 }
 
-// Noise and density move the axes by little: in degrees, at noise in shares of the point spacing.
+// Noise and density move the axes only slightly: in degrees, for noise in units of the point
+// spacing.
 TEST(LocalFrame, IsRepeatableUnderNoiseAndAtOtherResolutions) {
   test::Random random;
   const Matrix3f clean = local_frame(support_of(sheet(random, 4000), kRadius), kRadius, kUp).axes;
@@ -218,7 +219,7 @@ TEST(AimFirstAxis, AgreesWithANaiveReference) {
 TEST(AimFirstAxis, KeepsTheLastAxisAndPointsToTheHeightOnEitherSide) {
   test::Random random;
   Points points;
-  for (int k = 0; k < 3000; ++k) {  // flat, with a bump at one place
+  for (int k = 0; k < 3000; ++k) {  // flat, with a bump in one spot
     const float x = random.uniform(-0.5F, 0.5F), y = random.uniform(-0.5F, 0.5F);
     const float bump = std::exp(-60 * (std::pow(x - 0.2F, 2.0F) + std::pow(y - 0.2F, 2.0F)));
     points.push_back({x, y, 0.05F * bump});
@@ -244,7 +245,8 @@ TEST(AimFirstAxis, HoldsNothingWhereAllIsFlatOrThereIsNoFrame) {
   EXPECT_TRUE(aimed(Support{}).axes.isZero());
 }
 
-// What it is for: on a shallow dome with a slight tilt the scatter's axis follows the sampling.
+// The purpose of the first axis: on a shallow dome with a slight tilt, the axis from the scatter
+// matrix follows the sampling instead.
 TEST(AimFirstAxis, IsMoreRepeatableThanTheScatterOnRoundSurfaces) {
   const auto dome = [](test::Random& random) {
     Points points;

@@ -9,7 +9,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// `most` bounds the bytes: with few values many centroids are equally near.
+/// `most` bounds the byte values: with few values, many centroids are equally near.
 std::vector<std::uint8_t> random_codes(test::Random& random, std::size_t n, std::size_t stride,
                                        std::uint32_t most) {
   std::vector<std::uint8_t> codes(n * stride);
@@ -23,7 +23,7 @@ std::vector<std::int32_t> norms_of(std::span<const std::uint8_t> codes, std::siz
   return norms;
 }
 
-/// The slow obvious version.
+/// The linear search as reference.
 std::uint32_t first_nearest(std::span<const std::uint8_t> code,
                             std::span<const std::uint8_t> centroids) {
   double least = std::numeric_limits<double>::infinity();
@@ -48,7 +48,7 @@ TEST(NearestCentroids, AreTheFirstOfTheNearest) {
     for (const std::uint32_t most : {1U, 255U}) {
       for (const std::size_t num_lists : {1U, 5U, 6U, 7U, 300U}) {
         auto centroids = random_codes(random, num_lists, stride, most);
-        if (num_lists > 6)  // one of the same bytes as an earlier one
+        if (num_lists > 6)  // a centroid with the same bytes as an earlier one
           std::copy_n(centroids.begin(), stride, centroids.begin() + 6 * stride);
         for (const std::size_t n : {0U, 1U, 63U, 64U, 65U, 200U}) {
           const auto codes = random_codes(random, n, stride, most);

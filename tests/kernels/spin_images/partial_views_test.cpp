@@ -14,7 +14,7 @@ namespace {
 
 constexpr float kRadius = 0.4F, kShareRadius = 0.15F;
 
-/// A surface whose views are random caps of directions.
+/// A surface whose views are random caps of the direction sphere.
 struct Scene {
   Points points;
   std::vector<ViewBits> views;
@@ -41,7 +41,7 @@ std::vector<Row> rows_of(const Support& support) {
   return rows;
 }
 
-/// A scene in the order of its grid.
+/// A scene with points in the order of its grid.
 struct Gridded {
   VoxelHash grid;
   std::vector<ViewBits> views;
@@ -59,7 +59,7 @@ struct Gridded {
   }
 };
 
-// The reference: the points of a view alone, as if there were no others.
+// The reference: the points of a view alone, without the others.
 TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
   const Scene scene(1);
   const Gridded gridded(scene);
@@ -89,7 +89,7 @@ TEST(CountSharers, GivesTheSameForAnyChunks) {
   EXPECT_EQ(Gridded(scene, 1).sharers.counts, Gridded(scene, 1000).sharers.counts);
 }
 
-// More share than a byte can tell.
+// More sharers than a byte can count.
 TEST(CountSharers, StopsAt255) {
   Scene scene(2);
   for (std::size_t i = 0; i < 300; ++i) {

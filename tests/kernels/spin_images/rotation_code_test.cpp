@@ -21,7 +21,7 @@ TEST(RotationCode, GivesBackTheRotation) {
     const Eigen::Matrix3f given = turn(random.uniform(0, std::numbers::pi_v<float>), axis);
     const Eigen::Matrix3f back = decode_rotation(encode_rotation(given));
     EXPECT_LT(Eigen::AngleAxisf(given.transpose() * back).angle(), 1e-3F)
-        << "floats tell angles of a matrix no better";
+        << "floats give angles of a matrix no better";
     EXPECT_LT((given - back).cwiseAbs().maxCoeff(), 1e-4F);
   }
 }

@@ -56,7 +56,7 @@ TEST(SpinImage, HoldsTheAreaOfTheSupport) {
               0.01);
 }
 
-// On the border of the support, in its poles and its middle nothing falls off the image.
+// Points on the border of the support, at its poles and at its center all fall in the image.
 TEST(SpinImage, HoldsPointsOnTheBorder) {
   Points points;
   for (const Vector3f& p : {Vector3f(0, 0, kRadius), Vector3f(0, 0, -kRadius),

@@ -82,7 +82,7 @@ TEST(ShareAreas, SharesADiscAmongThePointsInTheBallAroundEach) {
 
 TEST(ShareAreas, MakesUpForDensity) {
   test::Random random;
-  Points plane;  // four times as dense on one half
+  Points plane;  // four times the density on one half
   for (int k = 0; k < 50000; ++k) {
     const float x = k % 5 == 0 ? random.uniform(0, 1) : random.uniform(1, 2);
     plane.push_back({x, random.uniform(0, 1), 0});

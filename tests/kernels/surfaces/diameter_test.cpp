@@ -36,7 +36,8 @@ TEST(FindDiameter, AgreesWithReferenceOnSpheres) {
   }
 }
 
-// Bodies of constant width: every boundary point is an end, and no center halves the diameters.
+// Bodies of constant width: every boundary point is an end of a diameter, and no center halves the
+// diameters.
 TEST(FindDiameter, AgreesWithReferenceOnAReuleauxTriangle) {
   Points points;
   for (int i = 0; i < 1500; ++i) {
@@ -58,7 +59,7 @@ TEST(FindDiameter, FindsTheDiagonalOfABoxAnywhere) {
 }
 
 TEST(FindDiameter, IsNotMisledByTheFarthestPointFromAStart) {
-  // Sweeps between farthest points may stop short of the diameter; the search may not.
+  // Sweeps between farthest points may stop short of the diameter; the exact search may not.
   Random random;
   for (int i = 0; i < 200; ++i)
     expect_exact(Random(static_cast<std::uint64_t>(i)).dyadic_cloud(12, 1));

@@ -61,7 +61,8 @@ TEST(EstimateNormals, AgreesWithReferenceOnRandomSurfaces) {
       ASSERT_EQ(std::isnan(found.normals[i].x()), !expected) << "n " << n << " row " << i;
       ASSERT_EQ(std::isnan(found.residuals[i]), !expected) << "n " << n << " row " << i;
       if (!expected) continue;
-      // Half a float ulp on each component of the result; before that, the root of a double's.
+      // Half a float ulp on each component of the result; before that, the square root of a
+      // double's ulp.
       ASSERT_LT(angle_between_lines(found.normals[i], expected->normal), 2e-7);
       ASSERT_NEAR(found.residuals[i], expected->residual, 1e-7 * expected->residual + 1e-8);
       ASSERT_NEAR(found.normals[i].norm(), 1, 2e-7);
@@ -166,7 +167,7 @@ TEST(OrientNormals, TurnsEachNormalToTheViewpoint) {
     orient_normals(points, viewpoint, normals);
     for (std::size_t i = 0; i < n; ++i) {
       const double towards = before[i].cast<double>().dot((viewpoint - points[i]).cast<double>());
-      if (std::abs(towards) < 1e-5) continue;  // too close to call in float
+      if (std::abs(towards) < 1e-5) continue;  // too close to decide in float
       ASSERT_EQ(normals[i], Eigen::Vector3f(towards < 0 ? -before[i] : before[i]));
     }
   }

@@ -11,7 +11,7 @@
 namespace trivet::kernels {
 namespace {
 
-/// A sheet of 3 x 2 unit squares, each of two triangles, of which neighbors share edges.
+/// A sheet of 3 x 2 unit squares, each of two triangles, with shared edges.
 test::Shape sheet() {
   test::Shape shape;
   for (int y = 0; y < 3; ++y)
@@ -76,7 +76,8 @@ TEST(MeanNeighborDistance, AgreesWithReferenceOnRandomPoints) {
           nearest = std::min(nearest, (points[i].cast<double>() - points[j].cast<double>()).norm());
       sum += nearest;
     }
-    // The tree's squared distances are float: half of 2^-23 each of a few operations.
+    // The tree's squared distances are floats: a few operations with a rounding of half of 2^-23
+    // each.
     const double expected = sum / static_cast<double>(n);
     EXPECT_NEAR(*mean_neighbor_distance(points), expected, 1e-6 * expected);
   }

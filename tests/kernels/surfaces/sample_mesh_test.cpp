@@ -30,7 +30,7 @@ Samples sample(const Shape& shape, std::size_t n, std::uint64_t seed = 1, std::s
   return out;
 }
 
-/// Barycentric coordinates of the foot of a point, and its distance from the plane.
+/// Barycentric coordinates of a point's foot on the triangle, and its distance from the plane.
 struct Foot {
   double u, v, height;
 };
@@ -44,7 +44,7 @@ Foot foot(const Shape& shape, std::size_t t, const Eigen::Vector3f& point) {
   return {uvh.x(), uvh.y(), uvh.z()};
 }
 
-/// Triangles that do not overlap: one above the other, of very different sizes, some without area.
+/// Triangles without overlap: stacked, of very different sizes, some without area.
 Shape stack(Random& random, std::size_t n) {
   Shape shape;
   for (std::size_t t = 0; t < n; ++t) {
@@ -106,7 +106,7 @@ TEST(SampleMesh, PutsSamplesOnTheirTrianglesWithTheirNormals) {
   }
 }
 
-// 1600 samples on 16 equal parts of one triangle: a random choice would be off by 10 (one sigma).
+// 1600 samples on 16 equal parts of one triangle: random sampling would deviate by 10 (one sigma).
 TEST(SampleMesh, CoversATriangleMoreEvenlyThanChance) {
   Shape shape;
   shape.add({0, 0, 0}, {1, 0, 0}, {0, 1, 0});

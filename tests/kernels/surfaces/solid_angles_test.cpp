@@ -18,7 +18,7 @@ SolidAngles angles_of(const test::Shape& shape, const Vector3d& eye) {
   return kernels::sum_solid_angles(shape.vertices, shape.triangles, eye, 0, shape.triangles.size());
 }
 
-/// The same by summing cos / r^2 over 400 x 400 parts of each triangle.
+/// The solid angles by summing cos / r^2 over 400 x 400 parts of each triangle.
 SolidAngles naive(const test::Shape& shape, const Vector3d& eye) {
   constexpr int kParts = 400;
   SolidAngles sums;

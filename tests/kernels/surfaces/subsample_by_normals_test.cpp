@@ -108,7 +108,8 @@ TEST(SubsampleByNormals, TreatsTheTwoSidesOfAThinWallApart) {
 }
 
 TEST(SubsampleByNormals, FoundsGroupsByTheLowestIndex) {
-  // Each normal lies 20 degrees from the next: the middle one would hold all three.
+  // Each normal lies 20 degrees from the next: a cell around the middle one would contain all
+  // three.
   Oriented fan;
   for (const float degrees : {0.0F, 20.0F, 40.0F}) {
     const float angle = degrees * 0.0174533F;

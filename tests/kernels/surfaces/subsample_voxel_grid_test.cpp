@@ -91,7 +91,8 @@ TEST(SubsampleApproximateVoxelGrid, GivesOneCentroidForARunInOneVoxel) {
 }
 
 TEST(SubsampleApproximateVoxelGrid, KeepsTheSumOfAFewVoxelsApart) {
-  // Few voxels rarely share a slot: then it agrees with the exact voxel grid up to order.
+  // With few voxels, hash slots are rarely shared: the result then equals the exact voxel grid up
+  // to order.
   const Points points = Random().dyadic_cloud(500, 1);
   const Points found = approximate_voxel_grid(points, 1), expected = voxel_grid(points, 1);
   ASSERT_EQ(found.size(), expected.size());

@@ -21,7 +21,7 @@ struct Samples {
   Normals normals;
 };
 
-/// Points on random triangles, with normals by winding.
+/// Points on random triangles, with normals from the winding.
 Samples sample(Random& random, const Shape& shape, std::size_t n) {
   Samples out;
   for (std::size_t i = 0; i < n; ++i) {
@@ -46,7 +46,7 @@ std::vector<ViewMask> views(const RayScene& scene, const Samples& samples, float
   return masks;
 }
 
-/// A box without its lid: its inside sees the sky through the opening only.
+/// A box without its lid: its inside sees the sky only through the opening.
 Shape open_box() {
   Shape shape = test::box({-1, -1, 0}, {1, 1, 1});
   Shape open;
@@ -58,7 +58,7 @@ Shape open_box() {
   return open;
 }
 
-// Whether view d is free from a point; nothing where the answer hangs on rounding.
+// Whether view d is unobstructed from a point; empty where the result depends on rounding.
 std::optional<bool> reference_visible(const Shape& shape, const Vector3f& point,
                                       const Vector3f& normal, float offset, std::size_t d) {
   const double cosine = normal.cast<double>().dot(view_direction(d).cast<double>());
@@ -98,7 +98,7 @@ TEST(NearestView, AgreesWithReference) {
       }
     }
     const std::size_t found = nearest_view(random.uniform(0.1F, 9) * direction);
-    // Rounding may choose the other of two that are equally near.
+    // Rounding may choose the other of two equally near views.
     EXPECT_NEAR((view_direction(found) - direction).norm(),
                 (view_direction(expected) - direction).norm(), 1e-5);
     EXPECT_LT((view_direction(found) - direction).norm(), 0.2F);
@@ -181,7 +181,7 @@ TEST(OrientOutward, GivesNoViewToWhatLiesInside) {
   for (const ViewMask& mask : masks) EXPECT_EQ(mask, ViewMask{});
 }
 
-// The spheres around the points of a grid stand for the surface, as the header works out.
+// The spheres around the points of a grid represent the surface, as the header derives.
 TEST(OrientOutward, WorksOnCloudsByTheDocumentedSpheres) {
   constexpr int kSide = 20;
   constexpr float kSpacing = 2.0F / kSide;

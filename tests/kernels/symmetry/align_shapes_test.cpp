@@ -29,7 +29,7 @@ Pose moved(const Eigen::Vector3f& turn, const Eigen::Vector3f& shift) {
   return small_motion(turn, shift, Eigen::Vector3f::Zero());
 }
 
-/// A plate with a rib and a post, of no symmetry.
+/// A plate with a rib and a post, without symmetry.
 Shape plate() {
   Shape shape = box({-0.08F, -0.05F, 0}, {0.08F, 0.05F, 0.02F});
   shape.join(box({-0.07F, -0.04F, 0.02F}, {-0.03F, 0.01F, 0.09F}));

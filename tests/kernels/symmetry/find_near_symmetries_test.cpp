@@ -30,7 +30,7 @@ using test::Shape;
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180;
 
-/// A shape, what is known of its symmetry, and what looks alike.
+/// A shape, its known symmetry, and its near symmetries.
 struct Found {
   SampledShape surface;
   Symmetry symmetry;
@@ -69,7 +69,7 @@ Shape cube_with_stub() {
   Shape shape = box({-0.5F, -0.5F, -0.5F}, {0.5F, 0.5F, 0.5F});
   return shape.join(box({-0.1F, -0.1F, 0.5F}, {0.1F, 0.1F, 0.6F}));
 }
-Shape beaker() {  // with a small lip; it narrows, so that it has no other end
+Shape beaker() {  // with a small lip; tapered, so that its ends differ
   Shape shape = prism(100, circle(1), 0, 2, 0, 0.4);
   return shape.join(box({0.3F, -0.1F, 1.6F}, {0.8F, 0.1F, 1.8F}));
 }

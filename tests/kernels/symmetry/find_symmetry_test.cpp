@@ -31,14 +31,14 @@ Symmetry find(const Shape& shape, std::uint64_t seed = 1) {
   return find(sample_shape(shape.vertices, shape.triangles, seed));
 }
 
-/// How far a point is from the triangles, by trying all.
+/// The distance of a point from the triangles, by exhaustive search.
 double distance_of(const Shape& shape, const Vector3f& point) {
   double nearest = reference::kInfinity;
   for (std::size_t t = 0; t < shape.triangles.size(); ++t) {
     const Eigen::Vector3d a = reference::corner(shape.vertices, shape.triangles.a, t);
     const Eigen::Vector3d b = reference::corner(shape.vertices, shape.triangles.b, t);
     const Eigen::Vector3d c = reference::corner(shape.vertices, shape.triangles.c, t);
-    // Close enough for a bound: the nearest of a lattice over the triangle.
+    // An upper bound: the nearest point of a lattice over the triangle.
     for (int i = 0; i <= 20; ++i) {
       for (int j = 0; i + j <= 20; ++j) {
         const Eigen::Vector3d p = a + (b - a) * (i / 20.0) + (c - a) * (j / 20.0);
@@ -102,7 +102,7 @@ TEST(FindSymmetry, FindsTheGroupsOfKnownShapesInAnyPose) {
   }
 }
 
-// The tolerance is 0.5 % of the diameter; a turn that is off by 1 degree moves a corner by 0.9 %.
+// The tolerance is 0.5 % of the diameter; a rotation error of 1 degree moves a corner by 0.9 %.
 TEST(FindSymmetry, GivesMotionsThatMapTheShapeOntoItself) {
   Random random;
   for (const Shape& shape : {test::box({0, 0, 0}, {1, 0.6F, 0.3F}), test::box({0, 0, 0}, {1, 1, 1}),
@@ -195,7 +195,7 @@ TEST(FindSymmetry, LeavesOutSamplesWithoutANormal) {
   EXPECT_TRUE(find(surface).trivial());
 }
 
-/// What is known of real meshes: see the manifests; the others have no symmetry.
+/// Known symmetries of real meshes, from the manifests; the other meshes have none.
 struct Known {
   std::size_t num_poses;
   bool axis;
@@ -206,8 +206,8 @@ TEST(FindSymmetry, AgreesWithWhatIsKnownOfRealMeshes) {
                                            {"gearshaft", {0, true}},
                                            {"pipe", {1, true}},
                                            {"mustard", {1, false}}};
-  // The bolt's hexagonal head departs from a circle by 1.5 % of its length: between 6-fold and
-  // round. The halves of the scissors differ by 1.5 % RMS, which their manifest calls the same.
+  // The bolt's hexagonal head deviates from a circle by 1.5 % of its length, between 6-fold and
+  // round. The halves of the scissors differ by 1.5 % RMS, which their manifest calls symmetric.
   const std::set<std::string> doubtful{"bolt", "scissors"};
   int num_models = 0;
   for (const char* folder : {"clutter_bin", "clutter_table", "linemod", "uwa"}) {

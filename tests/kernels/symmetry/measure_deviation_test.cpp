@@ -47,7 +47,8 @@ TEST(MeasureDeviation, IsNothingForASymmetry) {
 TEST(MeasureDeviation, IsTheDifferenceOfTheSidesForAQuarterTurn) {
   const Surface block(test::box({-1, -0.8F, -0.3F}, {1, 0.8F, 0.3F}));
   const std::vector<float> all = block.deviation(turn_about_origin(Vector3f::UnitZ(), kQuarter));
-  // Sides of 1 come to lie where those of 0.8 are; at edges the way along the faces comes to that.
+  // Sides of length 1 coincide with sides of 0.8; at edges, the distance along the faces adds up to
+  // the difference.
   EXPECT_GT(all.back(), 0.199F);
   EXPECT_LT(all.back(), 0.2F * std::numbers::sqrt2_v<float> + 0.01F);
   EXPECT_LT(all[all.size() / 4], 0.01F) << "top and bottom stay in their planes";

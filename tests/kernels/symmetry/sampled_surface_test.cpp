@@ -19,9 +19,9 @@ using Eigen::Vector3d;
 
 constexpr double kMinCosine = SampledSurface::kMinCosine;
 constexpr double kMaxSlack = SampledSurface::kMaxSlack;
-constexpr double kThickness = 0.01;  // of what counts as one sheet
+constexpr double kThickness = 0.01;  // of a single sheet
 
-/// The definition in double: every sample is compared with all.
+/// The definition in double: every sample is compared with all others.
 class NaiveSurface {
  public:
   explicit NaiveSurface(const SampledSurface& surface) {
@@ -49,7 +49,7 @@ class NaiveSurface {
     for (const double gap : second) slacks_.push_back(std::clamp(1.5 * gap, slack, kMaxSlack));
   }
 
-  /// Of a moved sample from the surface.
+  /// The distance of a moved sample from the surface.
   double distance(std::size_t sample, const Pose& motion) const {
     const Vector3d q = motion.cast<double>() * points_[sample];
     const Vector3d m = motion.linear().cast<double>() * normals_[sample];
@@ -89,7 +89,8 @@ TEST(SampledSurface, MatchesWhatANaiveReferenceMatches) {
     surface.mark_matched(motion, kDistance, matched);
     for (std::size_t i = 0; i < surface.size(); ++i) {
       const double distance = naive.distance(i, motion);
-      if (std::abs(distance - static_cast<double>(kDistance)) < 1e-5) continue;  // by rounding
+      if (std::abs(distance - static_cast<double>(kDistance)) < 1e-5)
+        continue;  // decided by rounding
       EXPECT_EQ(matched[i] == 1, distance < static_cast<double>(kDistance)) << i << " " << distance;
       ++(matched[i] == 1 ? num_matched : num_apart);
     }

@@ -29,7 +29,7 @@ double log_odds_of(const ScoreModel& model, const ScoreParts& parts) {
   return sum;
 }
 
-/// Poses of every kind, some beyond all knots.
+/// Score parts of poses of every kind, some beyond all knots.
 ScoreParts draw_parts(const ScoreModel& model, test::Random& random) {
   ScoreParts parts;
   for (std::size_t k = 0; k < parts.size(); ++k)
@@ -38,12 +38,13 @@ ScoreParts draw_parts(const ScoreModel& model, test::Random& random) {
   return parts;
 }
 
-/// Right as often as `model` says: what a few scans of a cell of that score would tell.
+/// Poses that are right as often as `model` predicts, like marks from a few scans of a cell with
+/// that score.
 Rows draw(const ScoreModel& model, std::size_t n, std::uint64_t seed) {
   test::Random random(seed);
   Rows rows;
   while (rows.right.size() < n) {
-    // Half of them near the best of each part: others are hopeless.
+    // Half of the poses are near the best of each part, because the others are hopeless.
     ScoreParts parts = draw_parts(model, random);
     if (rows.right.size() % 2 == 0) {
       for (std::size_t k = 0; k < kCorrelationPart; ++k) {
@@ -74,7 +75,7 @@ TEST(AdaptScore, WithoutAdaptationChangesNothing) {
   EXPECT_EQ(largest_raise(model, {}), 0);
 }
 
-// From the definition: each part's lack of evidence costs so many times as much.
+// From the definition: the missing evidence of each part is multiplied by its factor.
 TEST(AdaptScore, WeighsWhatEachPartLacks) {
   const ScoreModel& model = fitted_score();
   test::Random random;
@@ -129,7 +130,7 @@ TEST(FitAdaptation, ChangesLittleByLittleData) {
   for (const float weight : adaptation.weights) EXPECT_NEAR(weight, 1, 0.6F);
 }
 
-// What the scans of a cell say is learned from as many as five give, and in full from many.
+// The marked scans of a cell help from as few as five on, and have full effect when there are many.
 TEST(FitAdaptation, ScoresFreshPosesOfItsCellBetter) {
   ScoreAdaptation truth;
   truth.shift = -1.5F;
@@ -148,7 +149,7 @@ TEST(FitAdaptation, ScoresFreshPosesOfItsCellBetter) {
   EXPECT_NEAR(last, log_loss(cell, fresh.parts, fresh.right), 0.01);
 }
 
-// Whatever was marked, also everything right, or the opposite of the truth.
+// Covers arbitrary marks, including everything right and the opposite of the truth.
 TEST(FitAdaptation, RaisesNoOddsMoreThanTenfoldByAnyMarks) {
   const ScoreModel& model = fitted_score();
   for (const int marks : {0, 1, 2, 3}) {
@@ -176,7 +177,7 @@ TEST(FitAdaptation, RaisesNoOddsMoreThanTenfoldByAnyMarks) {
   }
 }
 
-// Marks that ask for more than the bound are followed as far as it allows, not dropped.
+// Marks that call for more than the bound are applied up to the bound, not dropped.
 TEST(FitAdaptation, GoesToTheBoundWhereMarksAskForMore) {
   const ScoreModel& model = fitted_score();
   Rows rows = draw(model, 300, 5);

@@ -19,7 +19,7 @@ using Vector8 = ObjectEquations::Vector8;
 
 constexpr double kPriorInformation = 100;  // of a tenth
 
-/// Brackets before a wall, seen by one camera, and equations of them.
+/// Brackets in front of a wall, seen by one camera, and their equations.
 struct Brackets {
   test::Shape shape = test::bracket();
   RayScene surface = *RayScene::from_mesh(shape.vertices, shape.triangles);
@@ -30,7 +30,7 @@ struct Brackets {
       test::measure({Pose::Identity(), 570, 570, 319.5F, 239.5F, 640, 480}, surface, poses, 1.4F);
   ModelSamples samples{shape.vertices, {}, {}, 0.001F, 0.2F, {0, 0, 0.04F}};
 
-  /// Gauss and Newton from the true poses on. Gives the pulls at the end.
+  /// Gauss-Newton iterations from the true poses. Returns the pulls at the end.
   std::vector<ScalePull> settle(float correlation = 0, float measured = 1) {
     for (float& depth : image.depth) depth *= measured;
     std::vector<Pose> at = poses;
@@ -105,7 +105,7 @@ TEST(EstimateScales, TakesDepthAsItIsWhereNeighborsErrAlike) {
   EXPECT_GT(found.focal.error, 0.015);
 }
 
-// All poses and both scales as the unknowns of one dense system.
+// All poses and both scales are the unknowns of one dense system.
 TEST(EstimateScales, AgreesWithTheJointSolutionOfAllPosesAndScales) {
   test::Random random;
   constexpr Eigen::Index kObjects = 5;

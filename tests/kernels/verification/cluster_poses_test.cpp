@@ -16,7 +16,7 @@ using test::Random;
 const Vector3f kCenter(0.3F, -0.2F, 0.5F);
 const ClusterOptions kOptions{0.2F, 0.3F};
 
-/// Hypotheses around a few places: those of one place are within about two limits of each other.
+/// Hypotheses around a few places; those of one place are within about two limits of each other.
 std::vector<Hypothesis> around_places(Random& random, std::size_t n, std::size_t places) {
   std::vector<Pose> middles;
   for (std::size_t k = 0; k < places; ++k) middles.push_back(random.motion(0.5F));
@@ -37,7 +37,7 @@ struct NaiveCluster {
   double votes = 0;
 };
 
-/// Complete linkage by the words of the rule: every member of every cluster is looked at.
+/// Complete linkage from its definition: every member of every cluster is compared.
 std::vector<NaiveCluster> naive_clusters(std::vector<Hypothesis> hypotheses) {
   std::ranges::stable_sort(hypotheses, std::ranges::greater{}, &Hypothesis::votes);
   std::vector<NaiveCluster> clusters;
@@ -92,7 +92,7 @@ TEST(ClusterPoses, FollowsTheRuleOfCompleteLinkage) {
   }
 }
 
-/// Poses at steps of a shift and a turn: each is within both limits of the next one.
+/// Poses at steps of a shift and a rotation: each is within both limits of the next.
 std::vector<Hypothesis> chain(std::size_t n, float shift, float angle) {
   std::vector<Hypothesis> out;
   for (std::size_t i = 0; i < n; ++i) {
@@ -140,7 +140,7 @@ TEST(ClusterPoses, TakesSymmetricPosesAsOne) {
     ASSERT_EQ(found.size(), 1U);
     EXPECT_EQ(found[0].votes, 100);
     EXPECT_LT((found[0].T_scene_model * kCenter - place * kCenter).norm(), 0.03F);
-    if (!symmetry.axis) {  // the mean is in some branch: one of the twelve is the place
+    if (!symmetry.axis) {  // the mean is in some branch: one of the twelve equivalents
       double nearest = reference::rotation_angle(found[0].T_scene_model, place);
       for (const Pose& S : symmetry.poses) {
         nearest = std::min(nearest, reference::rotation_angle(found[0].T_scene_model, place * S));

@@ -45,7 +45,7 @@ ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 
 const Pose kTruth = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.5F});
 const Pose kFlipped = kTruth * test::pose_of({0, 0, 3.1415927F}, {0, 0, 0});
 
-/// What the camera measures of clubs in front of a wall.
+/// The depth image of clubs in front of a wall.
 RangeImage look(std::initializer_list<Pose> poses, float wall = 1.5F) {
   return test::measure(camera(), club().surface, poses, wall);
 }
@@ -87,7 +87,7 @@ TEST(ComparePoses, FindsNoDifferenceOfAPoseFromItself) {
   EXPECT_FALSE(c.significant());
 }
 
-/// A random pair of poses and what was measured: clubs, noise, holes, a labeled plane.
+/// A random pair of poses and a depth image: clubs, noise, holes, a labeled plane.
 struct Case {
   RangeImage image;
   Pose first, second;
@@ -143,7 +143,7 @@ TEST(ComparePoses, AgreesWithANaiveReference) {
         c.image, club().surface, static_cast<double>(club().samples.diameter), c.first, c.second,
         static_cast<double>(kNoise), static_cast<double>(correlation),
         static_cast<double>(kTolerance), crop);
-    // Rounding decides at most a few rays.
+    // Rounding decides a few rays at most.
     EXPECT_NEAR(found.num_votes, naive.num_votes, 0.5);
     EXPECT_NEAR(found.log_ratio, naive.log_ratio, 1.5);
     EXPECT_NEAR(found.z, naive.z, 0.3);
@@ -180,7 +180,7 @@ TEST(ComparePoses, TellsModelsApartWhereTheyDiffer) {
   EXPECT_EQ(swapped.log_ratio, -seen.log_ratio);
   EXPECT_EQ(swapped.num_votes, seen.num_votes);
 
-  // Behind something that hides its end, one looks like the other.
+  // Behind an occluder that hides the thicker end, both poses are indistinguishable.
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
     const Eigen::Vector3f end = kTruth * Eigen::Vector3f(0.07F, 0, 0);
     const ImageGeometry g = camera();
@@ -213,8 +213,8 @@ TEST(ComparePoses, SaysNothingWhereTheDifferenceIsHiddenOrNotMeasured) {
   EXPECT_EQ(compare(empty, kTruth, kFlipped).z, 0);
 }
 
-// A matching sensor shows nothing beside what is near, and misses little of what it sees: a part
-// that a pose puts into the shadow speaks against it.
+// A sensor that matches windows shows nothing beside near surfaces and misses little of what it
+// sees. A part that a pose puts into the shadow is therefore evidence against the pose.
 TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
   RangeImage image = look({kTruth});
@@ -227,13 +227,13 @@ TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
   EXPECT_GT(shadowed.z, PoseComparison::kSignificant);
 }
 
-// Smoothed over the width of a thin part, its depth is off by many times the noise.
+// Smoothed over the width of a thin part, the depth has an error of many times the noise.
 TEST(ComparePoses, ForgivesBlendedDepthWhereNeighborsErrAlike) {
   RangeImage image = look({kTruth});
   const RangeImage bare = look({});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
     if (image.depth[pixel] != bare.depth[pixel]) image.depth[pixel] += 12 * kNoise;
-  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
+  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: no ray meets it
   EXPECT_LT(compare(image, kTruth, away).log_ratio,
             compare(image, kTruth, away, {kNoise, 3, 1}).log_ratio);
 }
@@ -243,8 +243,8 @@ TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {
   const RangeImage image = look({kTruth});
   EXPECT_GT(compare(image, kTruth, aside).z, PoseComparison::kSignificant);
 
-  // Both poses are hidden; by a background plane, which neither can be.
-  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: meets nothing
+  // Both poses are hidden, but by a background plane, which cannot hide a pose.
+  const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: no ray meets it
   RangeImage table = look({}, 0.3F);
   EXPECT_EQ(compare(table, kTruth, away).z, 0);
   table.plane.assign(table.plane.size(), 1);
@@ -263,7 +263,7 @@ TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
     RangeImage image = exact;
     for (float& depth : image.depth)
       if (depth < 1) depth += random.normal(kNoise);
-    // The outline, where only one pose meets the model, is left out.
+    // Outline pixels, where only one pose meets the model, are excluded.
     CompareScratch scratch;
     const PoseComparison c =
         compare_poses({&image, 1}, club().at(near), club().at(far), kErrors,
@@ -276,7 +276,7 @@ TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
   EXPECT_NEAR(sum / kTrials, 0, 0.8);
 }
 
-// Waves that go on over many pixels are one error, not many.
+// Waves over many pixels are one correlated error, not many independent ones.
 TEST(ComparePoses, IsNoSurerOfErrorsThatPixelsShare) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.004F, 0});
   const RangeImage image = look({kTruth});

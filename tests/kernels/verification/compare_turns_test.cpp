@@ -62,7 +62,8 @@ struct Drum {
   }
 };
 
-const Pose kFacing = test::pose_of({2.5F, 0.2F, 0}, {0.02F, -0.01F, 0.5F});  // knobs to the camera
+const Pose kFacing =
+    test::pose_of({2.5F, 0.2F, 0}, {0.02F, -0.01F, 0.5F});  // knobs towards the camera
 const Pose kAway = test::pose_of({0.4F, 0.1F, 0}, {0.02F, -0.01F, 0.5F});
 
 float apart(float a, float b, float period) { return std::abs(std::remainder(a - b, period)); }
@@ -102,8 +103,8 @@ TEST(CompareTurns, SharesTheLikelihoodAmongTurnsThatLookAlike) {
   }
 }
 
-/// Something before the camera hides what of the drum's top lies between two directions from its
-/// middle.
+/// An occluder in front of the camera hides the part of the drum's top between two directions from
+/// its center.
 RangeImage hide(RangeImage image, const Pose& pose, float from, float to) {
   const Pose T_drum_camera = pose.inverse();
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
@@ -116,7 +117,7 @@ RangeImage hide(RangeImage image, const Pose& pose, float from, float to) {
   return image;
 }
 
-// The knob is known to be behind the cover, which is three times as wide, and no more.
+// The knob is known to be behind the cover, which is three times as wide, but not where.
 TEST(CompareTurns, TakesTheMiddleOfTurnsThatLookAlikeAndTellsTheirEnds) {
   const Drum drum(1);
   constexpr float kHalf = 50 * kDegree, kKnob = 9 * kDegree;

@@ -23,7 +23,7 @@ using Eigen::Vector3f;
 constexpr float kTolerance = 0.003F;
 constexpr float kFar = 2;  // of a wall behind everything
 
-/// Shapes seen by a small camera at the origin, each a model of its own.
+/// Shapes seen by a small camera at the origin, each a model.
 struct Body {
   test::Shape shape;
   RayScene surface;
@@ -49,7 +49,7 @@ Body rod_of(float radius, float half_length) {
 
 ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
 
-/// What a camera measures of bodies in front of a wall.
+/// The depth image of bodies in front of a wall.
 RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar,
                 const ImageGeometry& geometry = camera()) {
   RangeImage image;
@@ -74,7 +74,7 @@ RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float w
   return image;
 }
 
-/// With the tolerance and the background of all tests.
+/// Examines with the tolerance and background of all tests.
 Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
                     const std::optional<Symmetry::Axis>& free_axis = {},
                     ExplainedPixels* explained = nullptr, ExamineOptions options = {},
@@ -106,7 +106,7 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_GT(e.stability, 0.005F) << "three faces hold a box";
 }
 
-/// What single rays say adds up to the examination.
+/// Expects the sums over single rays to equal the examination.
 void expect_told(const std::vector<JudgedRay>& rays, const Examination& e, std::uint32_t square) {
   const auto told = [&](RayVerdict verdict) {
     return static_cast<float>(std::ranges::count(rays, verdict, &JudgedRay::verdict));
@@ -120,8 +120,8 @@ void expect_told(const std::vector<JudgedRay>& rays, const Examination& e, std::
   EXPECT_EQ(side * told(RayVerdict::runs_on), e.outline_crossed);
 }
 
-// Boxes before and behind the model, with noise, holes and a labeled plane; crops of every stride;
-// for scans whose neighbors err for themselves or alike.
+// Boxes in front of and behind the model, with noise, holes and a labeled plane; crops of every
+// stride; scans with independent and with correlated errors of neighboring pixels.
 TEST(ExaminePose, AgreesWithANaiveReference) {
   const Body small({0.03F, 0.02F, 0.015F});
   Examination total;
@@ -164,7 +164,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     const auto near = [&](float value, double expected, double relative) {
       EXPECT_NEAR(static_cast<double>(value), expected, relative * expected + 1e-6);
     };
-    // Rounding decides at most a few rays.
+    // Rounding decides a few rays at most.
     const double slack = 3.0 * explained.square * explained.square;
     EXPECT_NEAR(e.covered, naive.covered, slack);
     EXPECT_NEAR(e.outside, naive.outside, slack);
@@ -196,7 +196,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
   EXPECT_GT(beside, 200);
 }
 
-// A face agrees with any plane; an edge, and more so a corner, only with its like.
+// A face fits any plane; an edge, and even more a corner, fits only a similar shape.
 TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
   const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Pose edge = test::pose_of({0.8F, 0, 0}, {0, 0, 0.6F});
@@ -207,7 +207,7 @@ TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
   EXPECT_GT(relief(edge), 2);
 }
 
-// What is taken for a thing may be what it would lie beneath.
+// A pixel attributed to an object may belong to a surface that the object would lie beneath.
 TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
   const auto behind = [](float depth) {
     const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});
@@ -222,7 +222,7 @@ TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
 TEST(ExaminePose, TellsAWrongTurnByTheSlopeOfWhatIsLeft) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
-  for (const float angle : {0.01F, 0.02F}) {  // at 0.1 m from the axis still within the tolerance
+  for (const float angle : {0.01F, 0.02F}) {  // 0.1 m from the axis, still within the tolerance
     const Examination e = examine(image, brick(), test::pose_of({0, angle, 0}, {0, 0, 0.6F}));
     EXPECT_NEAR(e.slope, angle, 0.15F * angle);
     EXPECT_GT(e.smooth, 0.9F * e.residual) << "no noise to average away";
@@ -247,7 +247,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
   const Examination corner = examine(look({{&brick(), kCorner}}), brick(), kCorner);
   EXPECT_GT(corner.stability, 50 * face.stability + 1e-3F);
 
-  // A rod's turn is not asked for where it is a symmetry.
+  // A rod's rotation is not tested where it is a symmetry.
   const Body rod = rod_of(0.03F, 0.08F);
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   const Pose tilted = test::pose_of({0.2F, 0.9F, 0}, {0.01F, 0.02F, 0.5F});
@@ -258,7 +258,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
   EXPECT_GT(open, 5 * asked);
 }
 
-// One face fixes neither two shifts nor a turn; its outline does.
+// One face fixes neither two shifts nor a rotation; its outline does.
 TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
@@ -282,7 +282,7 @@ TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
   EXPECT_EQ(examine(image, brick(), nearer).stability, 0) << "nor what does not agree within";
 }
 
-// The side of a rod does not fix it along itself, whichever way it lies.
+// The side of a rod does not fix its shift along the axis, whatever its orientation.
 TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreSeen) {
   const Body rod = rod_of(0.02F, 0.1F), longer = rod_of(0.02F, 0.25F), screen({0.05F, 0.2F, 0.01F});
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
@@ -363,8 +363,8 @@ TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
 }
 
-/// A brick's face in a wall that rises from it towards the camera by `slope`, turning over so many
-/// meters: a sensor's rounded crease. A negative slope falls away.
+/// A brick's face in a wall that rises from it towards the camera by `slope`. The slope builds up
+/// over the first `rounded` meters, like a sensor's rounded crease. A negative slope falls away.
 RangeImage face_in_wall(float slope, float rounded) {
   RangeImage image = look({});
   constexpr float kFace = 0.56F;
@@ -400,7 +400,7 @@ TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
   EXPECT_GT(edge.outline_crossed, 0.4F * on.outline_crossed);
 }
 
-// What the scan errs over many pixels anywhere does not speak against a pose.
+// Scan errors over many pixels, wherever they lie, are no evidence against a pose.
 TEST(ExaminePose, SparesTheWavesOfTheScan) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = look({{&brick(), flat}});
@@ -417,14 +417,14 @@ TEST(ExaminePose, SparesTheWavesOfTheScan) {
   const float squares = 0.25F * kHeight * kHeight / (kTolerance * kTolerance);
   EXPECT_NEAR(unknown.residual, squares, 0.2F * squares);
   EXPECT_LT(known.residual, 0.2F * squares);
-  EXPECT_EQ(known.mean_square, unknown.mean_square) << "is told as it was measured";
+  EXPECT_EQ(known.mean_square, unknown.mean_square) << "is reported as measured";
   EXPECT_EQ(unknown.mean_square, unknown.residual);
   EXPECT_LT(known.smooth, 0.1F * unknown.smooth);
   EXPECT_LT(known.slope, 0.5F * unknown.slope);
   EXPECT_EQ(known.consistent, unknown.consistent);
 }
 
-// The brick sticks out of a slanted wall that hides the rest of it.
+// The brick sticks out of a slanted wall that hides its other part.
 TEST(ExaminePose, SeesWhereTheModelDipsBeneathTheScene) {
   const Body wall({0.4F, 0.4F, 0.01F}), cover({0.1F, 0.03F, 0.01F});
   const Pose slanted = test::pose_of({0, 0.35F, 0}, {0, 0, 0.6F});
@@ -460,7 +460,7 @@ ExamineOptions blurred(int edge_pixels, float correlation = 0) {
   return options;
 }
 
-// Cameras that match windows show outlines by up to half a window beside their place.
+// Cameras that match windows show outlines displaced by up to half a window.
 TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
@@ -487,14 +487,14 @@ TEST(ExaminePose, SeesAHoleInTheMiddleThroughAnyBlur) {
   }
   const Examination strict = examine(image, brick(), flat, {}, nullptr, blurred(0));
   const Examination lenient = examine(image, brick(), flat, {}, nullptr, blurred(kEdge, 1));
-  // A pixel beside another one counts as that one: a pixel is lost on each side. Rays are two
-  // pixels apart.
+  // A pixel next to another may be attributed to it, so one pixel is lost on each side. Rays are
+  // two pixels apart.
   EXPECT_NEAR(strict.violation, (kAcross - 2) * (kDown - 2), 2 * (kAcross + kDown));
   constexpr int kWithin = (kAcross - 2 * kEdge) * (kDown - 2 * kEdge);
   EXPECT_NEAR(lenient.violation, kWithin, 2 * (kAcross + kDown - 4 * kEdge));
 }
 
-// The scene lies behind the model, or before it, by so many tolerances.
+// The scene lies behind or in front of the model by this many tolerances.
 TEST(ExaminePose, CountsAViolationMoreTheMoreItIsOne) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const auto at = [&](float tolerances, float correlation) {

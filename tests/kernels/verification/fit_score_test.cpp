@@ -27,7 +27,7 @@ struct Rows {
   std::vector<std::uint8_t> right;
 };
 
-/// Outcomes drawn with the log odds that two of the parts say; the others say nothing.
+/// Outcomes drawn with log odds that depend on two of the parts; the other parts have no effect.
 Rows draw(std::size_t n, std::uint64_t seed) {
   test::Random random(seed);
   Rows rows;
@@ -106,8 +106,8 @@ double log_odds_in_the_middle(const ScoreModel& model, float correlation) {
   return std::log(p / (1 - p));
 }
 
-/// Of scans whose pixels err for themselves, where violation and stability tell, and of scans whose
-/// neighbors err alike, where the outline does; some lie between.
+/// Scans with independent pixel errors, where violation and stability are informative, and scans
+/// with correlated errors, where the outline is; some scans lie between.
 Rows draw_of_two_sensors(std::size_t n, std::uint64_t seed) {
   test::Random random(seed);
   Rows rows;
@@ -133,7 +133,7 @@ TEST(FitScore, RecoversTheWeightsOfBothKindsOfErrors) {
     const auto& weights = model.weights[errors][k];
     return std::accumulate(weights.begin(), weights.end(), 0.0F);
   };
-  // Knots are quantiles from 3 to 97 %, over which slopes of 2 and 3 add up to 4 and 6, nearly.
+  // Knots are quantiles from 3 to 97 %, over which slopes of 2 and 3 sum to nearly 4 and 6.
   EXPECT_NEAR(sum(0, kViolation), 4, 0.9F);
   EXPECT_NEAR(sum(0, kStability), 6, 1.2F);
   EXPECT_LT(sum(0, kFree), 0.7F);
@@ -177,7 +177,7 @@ TEST(FitScore, BoundsWhatDividesAllOutcomes) {
   for (const float weight : weights_of(model)) EXPECT_LT(weight, 50);
 }
 
-// A part that stands for a right pose but comes with wrong ones is not believed.
+// A part that should indicate a right pose but occurs with wrong ones gets no weight.
 TEST(FitScore, TurnsNoPartAround) {
   Rows rows = draw(2000, 5);
   for (std::size_t i = 0; i < rows.parts.size(); ++i)

@@ -15,7 +15,7 @@ using test::wall;
 
 constexpr std::array<std::uint8_t, 1> kBackground{1};
 
-/// A plate that faces the camera, its front at depth 3, in scenes around it.
+/// A plate that faces the camera, its front at depth 3, in different surroundings.
 struct PlateScene {
   test::Solid solid = test::box_of({0.4, 0.3, 0.05});
   test::SampledModel plate = test::sampled_solid(solid, 0.03F, 0.5F);
@@ -71,7 +71,7 @@ TEST(JudgeContour, DoesNotJudgeOutsideTheImageNorAtTheCamera) {
   PlateScene scene;
   const std::uint32_t whole = scene.judge({scene.alone}).contour_free;
   for (const auto& [x, y] : {std::pair{1.2F, 0.0F}, {-1.2F, 0.0F}, {0.0F, 0.9F}, {0.0F, -0.9F}}) {
-    scene.pose = test::placed({x, y, 3.05F});  // its middle is on the image's edge
+    scene.pose = test::placed({x, y, 3.05F});  // its center is on the image's edge
     const Evidence half = scene.judge({Seen{test::moved(test::boundary(scene.solid), scene.pose)}});
     EXPECT_NEAR(half.contour_free, whole / 2, whole / 8) << x << ' ' << y;
     EXPECT_EQ(half.contour_crossed, 0U);

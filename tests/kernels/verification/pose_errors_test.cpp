@@ -68,7 +68,7 @@ TEST(DiscretizeSymmetry, LetsEveryTurnFollowEachDiscreteOne) {
   const auto poses = discretize_symmetry(symmetry);
   ASSERT_EQ(poses.size(), 630U);
   EXPECT_TRUE(poses[315].isApprox(symmetry.poses[0].cast<double>()));
-  // The flip puts (0, 0, 0) at (0, 0, 2), and no turn about z moves it from there.
+  // The flip moves (0, 0, 0) to (0, 0, 2), and no rotation about z moves it from there.
   for (std::size_t i = 315; i < poses.size(); ++i)
     EXPECT_LT((poses[i] * Vector3d::Zero() - Vector3d(0, 0, 2)).norm(), 1e-6);
 }
@@ -80,7 +80,7 @@ TEST(Mssd, IsTheShift) {
   EXPECT_NEAR(mssd(box, shift_by({3, 0, 4}) * truth, truth, kNoSymmetry), 5, 1e-12);
 }
 
-// A half turn about z carries the corners (1, 2) of the base to the other side.
+// A half turn about z moves the corners (1, 2) of the base to the other side.
 TEST(Mssd, IsThatOfTheFarthestVertex) {
   const Points box = test::box({-1, -2, -3}, {1, 2, 3}).vertices;
   const Isometry3d half = turn_about(Vector3d::Zero(), Vector3d::UnitZ(), 180);
@@ -89,7 +89,7 @@ TEST(Mssd, IsThatOfTheFarthestVertex) {
   EXPECT_NEAR(mssd(box, half, Isometry3d::Identity(), symmetries), 0, 1e-12);
 }
 
-// The symmetry acts in the model's frame: first S, then the truth.
+// The symmetry acts in the model frame: first S, then the ground-truth pose.
 TEST(Mssd, AppliesSymmetriesInTheModelsFrame) {
   const Points box = test::box({9, 8, 7}, {11, 12, 13}).vertices;
   const Isometry3d half = turn_about({10, 10, 10}, Vector3d::UnitZ(), 180);
@@ -99,7 +99,7 @@ TEST(Mssd, AppliesSymmetriesInTheModelsFrame) {
   EXPECT_GT(mssd(box, half * truth, truth, symmetries), 1);
 }
 
-// Half a step between two turns remains of 315: 2 r sin(pi / 630).
+// The remaining error is half a step between two of 315 rotations: 2 r sin(pi / 630).
 TEST(Mssd, OfARoundModelIsAtMostHalfAStep) {
   Points rim;
   for (int i = 0; i < 100; ++i)
@@ -114,7 +114,7 @@ TEST(Mssd, OfARoundModelIsAtMostHalfAStep) {
   }
 }
 
-/// From the definitions, in one loop after the other.
+/// The error from its definition, in nested loops.
 double naive(PointsView vertices, const Isometry3d& estimate, const Isometry3d& truth,
              const std::vector<Isometry3d>& symmetries, const Camera* camera) {
   const auto image = [&](const Vector3d& p) -> Vector3d {
@@ -153,7 +153,7 @@ TEST(MssdAndMspd, AgreeWithTheirDefinitionsOnRandomPoses) {
   }
 }
 
-// A shift across the axis by 0.2 moves the image of the nearest corner, at z = 4, by 60 * 0.2 / 4.
+// A shift of 0.2 across the axis moves the image of the nearest corner, at z = 4, by 60 * 0.2 / 4.
 TEST(Mspd, IsTheShiftInTheImageOfTheNearestVertex) {
   const Points box = test::box({-1, -1, 4}, {1, 1, 6}).vertices;
   const Isometry3d truth = Isometry3d::Identity();
@@ -183,7 +183,7 @@ TEST(DepthsToDistances, MultipliesByTheLengthOfTheRay) {
   EXPECT_FLOAT_EQ(depths[5], static_cast<float>(3 * std::sqrt(1.25)));
 }
 
-/// Images of 8 x 6 pixels in which surfaces fill rectangles at one distance.
+/// Images of 8 x 6 pixels with surfaces that fill rectangles at constant distance.
 class Vsd : public testing::Test {
  protected:
   static constexpr std::uint32_t kWidth = 8, kHeight = 6;
@@ -201,7 +201,7 @@ class Vsd : public testing::Test {
     fill(out, where, distance);
     return out;
   }
-  /// With delta 0.5, diameter 2 and tolerances of 0.1, 0.2 and 0.4 diameters.
+  /// The errors with delta 0.5, diameter 2 and tolerances of 0.1, 0.2 and 0.4 diameters.
   std::array<double, 3> errors(const Image& estimate, const Image& truth) const {
     const PixelWindow whole{0, 0, kWidth, kHeight};
     std::array<double, 3> out{-1, -1, -1};
@@ -246,7 +246,7 @@ TEST_F(Vsd, TakesPixelsApartByJustTheToleranceForWrong) {
   EXPECT_EQ(out, (std::array<double, 2>{1, 0}));
 }
 
-// 24 pixels each, 12 of them common: 24 of 36 are seen in one pose only.
+// 24 pixels each, 12 of them common: 24 of 36 are visible in one pose only.
 TEST_F(Vsd, CountsPixelsOfOnePoseOnly) {
   EXPECT_EQ(errors(with({2, 0, 4, 6}, 10), with(kLeft, 10)), all(24.0 / 36));
 }
@@ -265,7 +265,7 @@ TEST_F(Vsd, TakesSurfacesForVisibleWhereNothingWasMeasured) {
   EXPECT_EQ(errors(with(kLeft, 20), with(kRight, 20)), all(1));
 }
 
-// An object at 5 stands before the left half of the truth: only what is free counts.
+// An object at 5 occludes the left half of the truth: only the visible half counts.
 TEST_F(Vsd, LeavesOutWhatAnotherObjectHides) {
   fill(measured, kLeft, 5);
   const PixelWindow whole{0, 0, kWidth, kHeight};
@@ -285,10 +285,10 @@ TEST_F(Vsd, HidesASurfaceMoreThanDeltaBehindTheMeasurement) {
 TEST_F(Vsd, SeesTheEstimateWhereTheTruthIsVisible) {
   const std::array<double, 3> expected{1, 1, 0};
   EXPECT_EQ(errors(with(kLeft, 10.75F), with(kLeft, 10)), expected);
-  Image wide = with({0, 0, 8, 6}, 11);  // its right half is hidden, and is not counted against it
+  Image wide = with({0, 0, 8, 6}, 11);  // its right half is hidden, and does not count as an error
   fill(wide, kLeft, 10);
   EXPECT_EQ(errors(wide, with(kLeft, 10)), all(0));
-  // The other way round the truth is hidden: the estimate's pixels are all wrong.
+  // In the opposite case the truth is hidden: the estimate's pixels are all wrong.
   EXPECT_EQ(errors(with(kLeft, 10), with(kLeft, 11)), all(1));
 }
 

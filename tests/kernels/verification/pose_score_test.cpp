@@ -64,7 +64,7 @@ TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
   }
 }
 
-// Whatever the fit: more of a part never speaks against what it stands for.
+// For any fit, more of a part never counts against what it indicates.
 TEST(PoseScore, IsMonotoneInEachPart) {
   const ScoreModel& model = fitted_score();
   test::Random random(1);
@@ -82,7 +82,7 @@ TEST(PoseScore, IsMonotoneInEachPart) {
   }
 }
 
-/// A naive reference, of one kind of errors: walk along the knots.
+/// A naive reference for one kind of errors: it walks along the knots.
 double log_odds_of(const ScoreModel& model, const ScoreParts& parts, std::size_t errors) {
   double log_odds = static_cast<double>(model.bias[errors]);
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -108,7 +108,7 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
 
 double log_odds(double probability) { return std::log(probability / (1 - probability)); }
 
-// Between scans whose pixels err for themselves and scans whose neighbors err alike.
+// Scans between independent and correlated errors of neighboring pixels.
 TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
   test::Random random;
   ScoreModel model;

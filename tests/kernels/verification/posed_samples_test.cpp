@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-// Near enough that some samples fall beside the image, and some behind the camera.
+// A pose so close that some samples fall outside the image and some behind the camera.
 struct Close {
   test::SampledModel ball = test::sampled_sphere(3 * kSampleBlock + 17, 0.5F);
   ImageGeometry geometry{

@@ -18,7 +18,7 @@ using test::Seen;
 
 constexpr double kDegree = reference::kPi / 180;
 
-/// A cut box, 1.3 across and 3 away, that shows three faces and the cut to the camera.
+/// A box with a cut corner, 1.3 wide and 3 away, that shows three faces and the cut to the camera.
 struct BoxScene {
   test::Solid solid = test::cut_box();
   test::SampledModel model = test::sampled_solid(solid, 0.03F, 0.66F);
@@ -33,7 +33,7 @@ struct BoxScene {
     options.last_gate = 0.02F;
     options.max_translation = 0.13F;
   }
-  /// Leave the samples that some motion of 0.02 keeps on their face.
+  /// Keeps the samples that stay on their face under any motion of 0.02.
   void keep_off_edges() {
     test::SampledModel inner;
     for (std::size_t i = 0; i < model.points.size(); ++i) {
@@ -54,7 +54,7 @@ struct BoxScene {
   Refined refine(const RangeImage& image, const Pose& start) const {
     return refine_pose({&image, 1}, model.view(), start, options);
   }
-  /// Moved off by an angle and a shift of the center, in a random direction each.
+  /// The pose after a rotation and a shift of the center, each in a random direction.
   Pose off(Random& random, double angle, float shift) const {
     Pose pose = truth * test::placed({0, 0, 0}, static_cast<float>(angle) * random.direction());
     pose.pretranslate(shift * random.direction());
@@ -73,7 +73,8 @@ TEST(RefinePose, ConvergesFromFiveDegreesAndThreePercentOff) {
     const Pose start = scene.off(random, 5 * kDegree, 0.04F);
     const Refined refined = scene.refine(image, start);
     EXPECT_FALSE(refined.moved_too_far) << trial;
-    // A pixel is 0.0075 wide; residuals across planes do not depend on which pixel was met.
+    // A pixel is 0.0075 wide; residuals across planes do not depend on the pixel of the
+    // correspondence.
     EXPECT_LT(turned(refined.T_scene_model, scene.truth), 0.1 * kDegree) << trial;
     EXPECT_LT(shifted(refined.T_scene_model, scene.truth), 1e-3F) << trial;
   }
@@ -82,8 +83,7 @@ TEST(RefinePose, ConvergesFromFiveDegreesAndThreePercentOff) {
 TEST(RefinePose, StaysAtTheTruePose) {
   BoxScene scene;
   const RangeImage image = scene.see();
-  const Refined nearly =
-      scene.refine(image, scene.truth);  // an edge's pixel may show the next face
+  const Refined nearly = scene.refine(image, scene.truth);  // an edge pixel may show the next face
   EXPECT_LT(turned(nearly.T_scene_model, scene.truth), 0.02 * kDegree);
   EXPECT_LT(shifted(nearly.T_scene_model, scene.truth), 1e-4F);
   EXPECT_EQ(nearly.iterations, scene.options.max_iterations);
@@ -93,8 +93,8 @@ TEST(RefinePose, StaysAtTheTruePose) {
   EXPECT_LT(shifted(refined, scene.truth), 1e-5F);
 }
 
-// The Jacobian by central differences: one step from a small motion either way undoes it. A wrong
-// column would leave its share of the motion.
+// Checks the Jacobian by central differences: one step from a small motion either way undoes it. A
+// wrong column would leave part of the motion.
 TEST(RefinePose, UndoesASmallMotionInOneStep) {
   BoxScene scene;
   scene.keep_off_edges();
@@ -107,7 +107,8 @@ TEST(RefinePose, UndoesASmallMotionInOneStep) {
       (component < 3 ? w : t)[component % 3] = step;
       return scene.refine(image, scene.truth * test::placed(t, w)).T_scene_model;
     };
-    // The damping holds back a thousandth of the mean stiffness, which is more of a weak direction.
+    // The damping reduces the step by a thousandth of the mean stiffness, a larger share of a weak
+    // direction.
     const Pose plus = from(kStep), minus = from(-kStep);
     EXPECT_LT(turned(plus, minus), 0.05F * 2 * kStep) << component;
     EXPECT_LT(shifted(plus, minus), 0.05F * 2 * kStep) << component;
@@ -137,7 +138,7 @@ TEST(RefinePose, BearsNoise) {
 
 TEST(RefinePose, UsesAllImages) {
   const BoxScene scene;
-  // From the front and from the right; each alone sees other faces.
+  // Two views, from the front and from the right; each sees other faces.
   const Pose around = test::placed({0, 0, 3}, {0, 1.2F, 0}) * test::placed({0, 0, -3});
   BoxScene side = scene;
   side.T_camera_scene = around * scene.T_camera_scene;
@@ -180,13 +181,13 @@ TEST(RefinePose, StaysWhereThereIsTooLittleToHoldOnTo) {
   EXPECT_EQ(scene.refine(scene.see(), scene.truth).iterations, 0);
 }
 
-// A plate on a wall can slide and turn in its plane: those directions must not run away.
+// A plate on a wall can slide and rotate in its plane: those directions must not diverge.
 TEST(RefinePose, HoldsDirectionsThatAPlaneDoesNotFix) {
   const test::SampledModel plate =
       test::sampled_solid(test::box_of({0.5, 0.4, 0.02}), 0.03F, 0.65F);
   RangeImage image =
       test::render({Pose::Identity(), 200, 200, 79.5F, 59.5F, 160, 120}, {test::wall(3)});
-  Random noise(99);  // what it leaves open, noise would decide
+  Random noise(99);  // noise would decide the unconstrained directions
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
     image.depth[pixel] += noise.normal(0.002F);
     const Vector3f n(noise.normal(0.005F), noise.normal(0.005F), -1);

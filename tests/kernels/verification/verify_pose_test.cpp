@@ -72,7 +72,8 @@ TEST(VerifyPose, ScoresTheTruePoseNearOne) {
   }
 }
 
-// Balls, boxes and walls about the model, some of it hidden, unmeasured or outside.
+// Balls, boxes and walls around the model, parts of which are hidden, unmeasured or outside the
+// image.
 TEST(VerifyPose, AgreesWithANaiveReference) {
   const test::Solid solid = test::cut_box();
   const test::SampledModel model = test::sampled_solid(solid, 0.03F, 0.66F);
@@ -164,7 +165,7 @@ TEST(VerifyPose, DoesNotJudgeMissingDepth) {
 
 TEST(VerifyPose, IsNeutralOutsideTheImage) {
   BallScene scene;
-  scene.truth = test::placed({1.2F, 0, 3});  // its middle is on the image's edge
+  scene.truth = test::placed({1.2F, 0, 3});  // its center is on the image's edge
   const Seen ball{test::moved(test::sphere(0.5), scene.truth)};
   const Evidence e = scene.look({ball}, scene.truth);
   EXPECT_NEAR(e.outside, e.visible, 0.15 * e.visible);
@@ -175,7 +176,7 @@ TEST(VerifyPose, IsNeutralOutsideTheImage) {
   EXPECT_EQ(behind.score(), 0);
 }
 
-// The first and the last pixel of a row are neighbors in memory only.
+// The first and the last pixel of a row are adjacent only in memory.
 TEST(VerifyPose, DoesNotLookRoundTheEdgeOfTheImage) {
   for (const float side : {-1.0F, 1.0F}) {
     std::array images{test::render(camera(), {wall(3)})};
@@ -264,7 +265,7 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
   std::size_t on_ball = 0;
   for (const std::uint32_t pixel : explained)
     on_ball += images[pixel / kPixels].depth[pixel % kPixels] > 0;
-  EXPECT_GT(on_ball, explained.size() * 49 / 50);  // at the rim, a neighbor is
+  EXPECT_GT(on_ball, explained.size() * 49 / 50);  // at the rim, a neighboring pixel is
   for (const std::uint32_t image : {0U, 1U, 2U}) {
     EXPECT_EQ(std::ranges::count(explained, image, [](auto pixel) { return pixel / kPixels; }),
               image == 1 ? b.consistent : a.consistent);

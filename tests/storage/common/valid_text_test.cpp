@@ -41,7 +41,7 @@ std::vector<BytesCase> bytes_cases() {
       {"before the surrogates", "\xED\x9F\xBF", "\xED\x9F\xBF", "\xED\x9F\xBF"},
       {"no lead byte", "\xF8\x88\xFE\xFF", r + r + r + r, r + r + r + r},
       {"a lonely continuation", "a\x80z", "a" + r + "z", "a" + r + "z"},
-      // The longest part that begins a character is one replacement.
+      // The longest invalid prefix of a character becomes one replacement.
       {"cut off in four", "\xF0\x9F\x94", r, r},
       {"cut off in three", "x\xE6\xAD", "x" + r, "x" + r},
       {"cut off by another", "\xE6\xAD\x41", r + "A", r + "A"},
@@ -67,7 +67,7 @@ TEST(ValidText, TurnsAnyBytesIntoTextAsTheUnicodeStandardRecommends) {
   EXPECT_EQ(printable_lines("a\r\n\x1B\tb\n\xFF"), "a\\r\n\\u001B\tb\n" + kReplaced);
 }
 
-/// Bytes that often meet the borders of UTF-8.
+/// Random bytes, many of which are the bounds of the ranges in UTF-8.
 std::string random_bytes(Random& random, std::size_t n) {
   static constexpr unsigned char kBytes[] = {0,    0x1B, 'a',  0x7F, 0x80, 0x8F, 0x90, 0x9F,
                                              0xA0, 0xBF, 0xC0, 0xC1, 0xC2, 0xDF, 0xE0, 0xE1,

@@ -21,7 +21,7 @@ TEST(WholeNumber, IsDefinedForEveryNumber) {
   EXPECT_EQ(whole_number(kNaN, 1, 10), 1);
   EXPECT_EQ(whole_number(kInfinity, 1, 10), 10);
   EXPECT_EQ(whole_number(-kInfinity, 1, 10), 1);
-  // The type's own bounds, which floats do not hold.
+  // The bounds of the type, which a float cannot represent.
   constexpr auto kMost = std::numeric_limits<std::uint32_t>::max();
   EXPECT_EQ(whole_number(4294967296.0F, 0U, kMost), kMost);
   EXPECT_EQ(whole_number(4294967040.0F, 0U, kMost), 4294967040U);

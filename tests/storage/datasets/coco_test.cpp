@@ -9,7 +9,7 @@
 namespace trivet {
 namespace {
 
-/// As the toolkit reads it: every other run is on, columns first.
+/// Decodes a mask as the COCO toolkit does: runs alternate between off and on, column by column.
 std::vector<std::uint8_t> decode(const nlohmann::json& segmentation) {
   const std::size_t height = segmentation["size"][0], width = segmentation["size"][1];
   std::vector<std::uint8_t> pixels(width * height);

@@ -86,7 +86,7 @@ TEST_F(ReadManifest, MakesMeasuredRotationsTrueOnes) {
       [[1.004, 0.003, 0, 1], [0, 0.998, 0, 2], [0.001, 0, 1.002, 3], [0, 0, 0, 1]]}]}]})");
   ASSERT_TRUE(manifest) << manifest.error().message;
   const auto pose = manifest->scenes[0].truth[0].T_scene_model;
-  // Float rounding of nine products.
+  // The bound is the float rounding of nine products.
   EXPECT_LT((pose.linear() * pose.linear().transpose() - Eigen::Matrix3f::Identity()).norm(),
             1e-6F);
   EXPECT_LT((pose.linear() - Eigen::Matrix3f::Identity()).norm(), 0.01F);

@@ -48,7 +48,7 @@ class ReadBop : public testing::Test {
     }
   }
   static void write(const fs::path& file, const std::string& text) {
-    fs::remove(file);  // some file systems flush a file that is overwritten
+    fs::remove(file);  // some file systems flush an overwritten file
     std::ofstream(file, std::ios::binary) << text;
   }
   void expect_refused(const fs::path& folder, ErrorCode code,
@@ -59,7 +59,7 @@ class ReadBop : public testing::Test {
     for (const std::string& text : texts)
       EXPECT_NE(manifest.error().message.find(text), std::string::npos) << manifest.error().message;
   }
-  /// With this text in place of a file, reading is refused for it.
+  /// Replaces a file with this text and expects the reader to refuse the data set because of it.
   void expect_refused(const std::string& name, const std::string& text, const std::string& why) {
     const fs::path file = root() / name;
     const std::string before = fs::exists(file) ? test::read_bytes(file) : "";
@@ -94,7 +94,7 @@ TEST_F(ReadBop, GivesTheModels) {
   ASSERT_TRUE(second.symmetry && second.symmetry->axis);
   EXPECT_TRUE(second.symmetry->declared);
   ASSERT_EQ(second.symmetry->poses.size(), 1U);
-  // The reader makes rotations exact again, which moves the last bits.
+  // The reader orthonormalizes rotations, which changes the last bits.
   EXPECT_TRUE(second.symmetry->poses[0].isApprox(tilted(), 1e-6F));
 }
 
@@ -276,7 +276,7 @@ TEST_F(ReadBop, NamesTheDepthImagesThatAreThere) {
   expect_refused(root(), ErrorCode::missing_input, {"expected a folder of test images"});
 }
 
-/// Its scenes have the cameras "rgb", without depth, and "near", and "far" if that is asked for.
+/// A data set whose scenes have the cameras "rgb" (no depth) and "near", and "far" on request.
 class ReadBopOfCameras : public ReadBop {
  protected:
   void name_cameras(bool with_far) const {

@@ -75,7 +75,8 @@ TEST(WriteBopScene, WritesTheSameBytesForAnyOrderOfTheImages) {
 
 TEST(WriteBopTargets, CountsTheInstancesThatAreVisibleEnough) {
   const test::TempDir folder;
-  // A tenth is enough, less is not; an image without targets stays one to be looked at.
+  // A visible fraction of a tenth is enough, less is not. An image without targets stays in the
+  // list.
   const std::vector<BopScene> scenes{
       {1, {{4, {}, {instance(2, 0.1), instance(1, 0.5), instance(2, 1), instance(2, 0.0999)}}}},
       {2, {{0, {}, {instance(1, 0.05)}}}}};

@@ -41,7 +41,7 @@ TEST(WriteManifest, ReadsBackTheSame) {
   EXPECT_EQ(read->models[0].file, written.models[0].file);
   EXPECT_EQ(read->models[0].scale, 0.5);
   ASSERT_TRUE(read->models[0].symmetry && read->models[0].symmetry->axis);
-  // The reader makes rotations exact again, which moves the last bits.
+  // The reader orthonormalizes rotations, which changes the last bits.
   EXPECT_TRUE(read->models[0].symmetry->poses[0].isApprox(pose, 1e-6F));
   EXPECT_EQ(read->models[0].symmetry->axis->point, symmetry.axis->point);
   EXPECT_EQ(std::filesystem::weakly_canonical(read->models[1].file), "/somewhere/ant.ply");

@@ -85,7 +85,7 @@ TEST(GiveBackAround, LeavesAllBytesAsTheyWere) {
   give_back_around(bytes, bytes);
   EXPECT_TRUE(std::ranges::equal(bytes, std::as_bytes(std::span(text))));
 
-  std::vector<std::byte> elsewhere(300'000, std::byte{5});  // would be zeros, were it given back
+  std::vector<std::byte> elsewhere(300'000, std::byte{5});  // would hold zeros if it were returned
   give_back_around(elsewhere, bytes);
   give_back_around(elsewhere, {});
   EXPECT_TRUE(std::ranges::all_of(elsewhere, [](std::byte b) { return b == std::byte{5}; }));

@@ -1,4 +1,5 @@
-// A file that is plainly something else is refused as what it is, whatever its extension.
+// A file whose content is recognized is refused with the name of its format, whatever its
+// extension.
 #include "storage/files/looks_like.hpp"
 
 #include <gtest/gtest.h>

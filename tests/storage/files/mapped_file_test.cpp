@@ -1,4 +1,4 @@
-// Files that others write while they are mapped or read.
+// Tests of files that other processes write while they are mapped or read.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -28,7 +28,7 @@ Result<MappedFile> map(const fs::path& file, Writers writers) {
   return MappedFile::open(file, std::size_t{1} << 30U, writers);
 }
 
-/// In the file that is there, as `cp` does.
+/// Overwrites the existing file in place, as `cp` does.
 void overwrite(const fs::path& file, std::string_view bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
 }
@@ -43,7 +43,8 @@ TEST(MappedFile, ReadsAsZerosWhereItsFileWasCutOffAndIsTorn) {
     ASSERT_TRUE(cut && whole);
     fs::resize_file(file, 2 * kPageBytes);
     EXPECT_EQ(cut->bytes()[kPageBytes], std::byte{'x'});
-    // From behind, then before it, then from the first page on: each time anew.
+    // Accesses from the end, then before it, then from the first page on. Each run maps the file
+    // again.
     for (const std::size_t at :
          {kPages * kPageBytes - 1, 10 * kPageBytes, 2 * kPageBytes, 63 * kPageBytes})
       EXPECT_EQ(cut->bytes()[at], std::byte{0}) << at;
@@ -57,7 +58,7 @@ TEST(MappedFile, ReadsAsZerosWhereItsFileWasCutOffAndIsTorn) {
 TEST(MappedFile, LeavesTheFaultsOfOthersToThem) {
   const test::TempDir folder;
   const fs::path file = folder.write("a", std::string(kPageBytes, 'x'));
-  const auto guarded = map(file, Writers::others);  // the handler is there
+  const auto guarded = map(file, Writers::others);  // installs the handler
   ASSERT_TRUE(guarded);
   const int descriptor = ::open(folder.write("b", std::string(kPageBytes, 'x')).c_str(), O_RDWR);
   void* const memory = ::mmap(nullptr, kPageBytes, PROT_READ, MAP_PRIVATE, descriptor, 0);
@@ -148,7 +149,7 @@ TEST(ReadFile, SeesThatTheFileWasWrittenMeanwhile) {
   EXPECT_EQ(refused, ErrorCode::changed);
 }
 
-// Two writings within a step of the system's clock have one time.
+// Two writes within one tick of the system clock have the same modification time.
 TEST(ReadFile, WaitsUntilAnyFurtherWritingWouldHaveAnotherTime) {
   const test::TempDir folder;
   const fs::path file = folder.write("a", "bytes");
@@ -206,7 +207,7 @@ TEST(PublishFile, ReplacesTheTargetOfALinkAndLeavesTheLink) {
   EXPECT_EQ(test::read_bytes(folder / "versions/1"), "text");
   EXPECT_EQ(test::read_bytes(folder / "versions/none yet"), "text");
   EXPECT_TRUE(fs::is_symlink(folder / "dangling"));
-  // A ring is no way to anything.
+  // A cycle of symbolic links leads nowhere.
   fs::create_symlink("b", folder / "a");
   fs::create_symlink("a", folder / "b");
   EXPECT_NO_FATAL_FAILURE((void)publish_file(folder / "a", bytes));

@@ -16,7 +16,7 @@ const std::string kMark = "\xEF\xBB\xBF";
 
 TEST(TextCursor, EndsLinesAsTheFirstOneEnds) {
   for (const std::string end : {"\n", "\r\n", "\r"}) {
-    const std::string text = "a b" + end + end + "c" + end;  // a cursor only refers to it
+    const std::string text = "a b" + end + end + "c" + end;  // a cursor only refers to the text
     formats::TextCursor cursor(text);
     EXPECT_EQ(cursor.rest_of_line(), "a b");
     EXPECT_EQ(cursor.word(), "a");
@@ -36,7 +36,7 @@ TEST(TextCursor, SkipsAByteOrderMark) {
   EXPECT_EQ(cursor.position(), 6U);
 }
 
-/// Text with other line ends.
+/// The text with other line endings.
 std::string ended(const std::string& text, const std::string& end) {
   std::string out;
   for (const char c : text) out += c == '\n' ? end : std::string(1, c);
@@ -46,7 +46,7 @@ std::string ended(const std::string& text, const std::string& end) {
 TEST(TextFiles, GiveTheSameCloudWithAnyLineEndsAndAByteOrderMark) {
   const test::TempDir folder;
   for (const auto& file : test::sample_files()) {
-    if (file.bytes.find('\0') != std::string::npos) continue;  // binary
+    if (file.bytes.find('\0') != std::string::npos) continue;  // skips binary files
     const auto plain = read_cloud(folder.write(file.name, file.bytes));
     ASSERT_TRUE(plain) << plain.error().message;
     for (const std::string& bytes : {ended(file.bytes, "\r\n"), ended(file.bytes, "\r"),

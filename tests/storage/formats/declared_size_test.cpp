@@ -1,4 +1,4 @@
-/// What memory a scan will take is known before it is read.
+/// The memory that a scan needs is known before it is read.
 #include "storage/formats/declared_size.hpp"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(DeclaredSize, IsNeverLessThanWhatIsRead) {
   }
 }
 
-/// Files of n points, or as many pixels or triangles.
+/// Files of n points, pixels or triangles.
 std::vector<test::SampleFile> files_of(std::uint32_t n) {
   std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(n) +
                     "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
@@ -68,7 +68,7 @@ std::vector<test::SampleFile> files_of(std::uint32_t n) {
 TEST(DeclaredSize, IsCloseForLargeFiles) {
   constexpr std::uint32_t kNum = 1 << 15;
   for (const test::SampleFile& file : files_of(kNum)) {
-    // The corners of triangles that share none.
+    // Triangles in STL share no corners, so the file has three vertices for each.
     const std::uint64_t right = file.name == "a.stl" ? 3 * kNum : kNum;
     const DeclaredSize plain = declared(file.name, file.bytes);
     EXPECT_GE(plain.num_points, right) << file.name;
@@ -94,7 +94,7 @@ TEST(DeclaredSize, TakesAnyBytes) {
   }
 }
 
-// In every format, and what packs it.
+// Covers every format, and gzip.
 TEST(ReadCloud, LooksWhetherItIsToStop) {
   std::stop_source stop;
   stop.request_stop();

@@ -1,4 +1,4 @@
-// Coordinates far from zero, as of maps: no digit that matters is lost, whatever the format.
+// Coordinates far from zero, as in maps, lose no significant digit in any format.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using test::is_refused;
 using test::little;
 
-/// Corners of a part 3 m wide, to the millimeter, in meters east and north of a map's origin.
+/// Corners of a part 3 m wide, given to the millimeter, in meters east and north of a map's origin.
 const std::vector<Vector3d> kTriangleCorners{{512345.123, 5403210.987, 431.001},
                                              {512348.124, 5403210.988, 431.002},
                                              {512345.125, 5403212.989, 432.503},
@@ -88,7 +88,7 @@ TEST_F(FarCloud, KeepsMillimetersInEveryFormat) {
     ASSERT_EQ(cloud->points.size(), kTriangleCorners.size());
     for (std::size_t i = 0; i < kTriangleCorners.size(); ++i) {
       const Vector3d p = cloud->points[i].cast<double>() + cloud->offset;
-      // Within 6 m of the offset, floats round by 2.4e-7 at most.
+      // Within 6 m of the offset, floats round by at most 2.4e-7.
       EXPECT_LT((p - kTriangleCorners[i]).cwiseAbs().maxCoeff(), 2.5e-7)
           << file.name << ", point " << i;
     }

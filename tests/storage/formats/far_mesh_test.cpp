@@ -1,4 +1,4 @@
-// Meshes far from zero, as of maps: no digit that matters is lost, and their faces stay.
+// Meshes far from zero, as in maps, lose no significant digit and keep their faces.
 #include <gtest/gtest.h>
 
 #include <string>

@@ -1,4 +1,5 @@
-// Any bytes under any extension give an error or a valid cloud: never a crash, a hang or a lie.
+// Any bytes under any extension give an error or a valid cloud, never a crash, a hang or wrong
+// data.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -21,14 +22,15 @@ using test::kReadOptions;
 
 class HostileCloud : public testing::Test {
  protected:
-  /// Read these bytes; nothing but bad_data or a valid cloud may come out.
+  /// Reads the bytes; the only valid outcomes are bad_data and a valid cloud.
   static bool survives(const std::filesystem::path& name, std::string_view bytes) {
-    // An allocation of just this size: sanitizers see a read beyond it, unlike one in a mapped
-    // page.
+    // The allocation has exactly this size: sanitizers detect a read beyond it, but not beyond a
+    // mapped page.
     const std::vector<char> exact(bytes.begin(), bytes.end());
     const auto cloud = formats::read({name, std::as_bytes(std::span(exact)), kReadOptions});
     if (cloud) return is_valid(*cloud);
-    // Whoever needs "more memory than there is" believed a count that the file cannot hold.
+    // The error "more memory than there is" means that the reader trusted a count that cannot fit
+    // in the file.
     return cloud.error().code == ErrorCode::bad_data &&
            cloud.error().message.find("memory") == std::string::npos;
   }

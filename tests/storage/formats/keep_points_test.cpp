@@ -7,7 +7,7 @@
 namespace trivet {
 namespace {
 
-/// 5 x 4 pixels of which every third holds a point, numbered against the order of the pixels.
+/// 5 x 4 pixels, every third with a point. Points are numbered against the order of the pixels.
 Cloud organized() {
   Cloud cloud;
   cloud.grid = PixelGrid{5, 4, {}};

@@ -1,4 +1,4 @@
-// Arrays in memory give the clouds that files of the same content give.
+// Arrays in memory give the same clouds as files with the same content.
 #include "storage/formats/memory_cloud.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +33,7 @@ std::string bytes_of(const std::vector<T>& values) {
   return bytes;
 }
 
-/// Whether the clouds are the same to the bit.
+/// Whether the clouds are identical bit by bit.
 testing::AssertionResult are_same(const Result<Cloud>& found, const Result<Cloud>& expected) {
   if (!found || !expected)
     return testing::AssertionFailure() << (found ? expected : found).error().message;
@@ -138,7 +138,7 @@ TEST_F(CloudFromPoints, TakesAnyStrides) {
   for (std::size_t i = 0; i < 4; ++i)
     padded.insert(padded.end(), {xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2], -1});
   EXPECT_TRUE(are_same(cloud_from_points(ArrayView::strided(padded.data(), 4, 3, 4)), expected));
-  // (2, 2, 3) with rows after columns: two dimensions swapped.
+  // Shape (2, 2, 3) with columns before rows: two dimensions are swapped.
   const auto image = cloud_from_points(ArrayView::packed(xyz.data(), 2, 2, 3));
   const std::vector<float> swapped{1, 2, 3, 7, 8, 9, 4, 5, 6, 10, 11, 12};
   EXPECT_TRUE(are_same(cloud_from_points({swapped.data(), 3, {2, 2, 3}, {3, 6, 1}}), image));
@@ -206,7 +206,7 @@ TEST_F(CloudFromDepths, IsTheCloudOfAPng) {
   for (float& depth : floats) depth = depth == 0 ? kNaN : depth;
   EXPECT_TRUE(
       are_same(cloud_from_depths(ArrayView::packed(floats.data(), 16, 20), kCamera), expected));
-  // Columns one after the other, as doubles.
+  // Columns stored one after the other, as doubles.
   std::vector<double> columns;
   for (std::size_t u = 0; u < 20; ++u)
     for (std::size_t v = 0; v < 16; ++v) columns.push_back(depths[20 * v + u]);

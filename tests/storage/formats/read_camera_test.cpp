@@ -1,4 +1,4 @@
-// Cameras of depth images, as this program and others write them.
+// Cameras of depth images in the formats of this program and others.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -84,7 +84,7 @@ TEST_F(ReadCamera, TakesThoseOfOtherPrograms) {
       "k": [500, 0, 320, 0, 400, 240, 0, 0, 1], "r": [1, 0, 0, 0, 1, 0, 0, 0, 1],
       "p": [500, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0], "roi": {"x_offset": 0, "do_rectify": false}})");
   is_expected("{" + size + R"("D": [], "K": [500, 0, 320, 0, 400, 240, 0, 0, 1]})");
-  // Open3D, which writes by columns.
+  // Open3D, which writes matrices in column-major order.
   const std::string open3d =
       "{" + size + R"("intrinsic_matrix": [500, 0, 0, 0, 400, 0, 320, 240, 1]})";
   is_expected(open3d);
@@ -122,7 +122,7 @@ TEST_F(ReadCamera, TakesDistortionAsItsWritersNameIt) {
   EXPECT_EQ(read(with(R"("depth": "z")"))->depth, DepthKind::z);
 }
 
-// Whatever is stated and not applied would be a wrong pose that looks right.
+// A stated property that the reader ignored would give a wrong pose that seems right.
 TEST_F(ReadCamera, RefusesWhatItWouldBelieveByHalf) {
   const auto with = [](const std::string& more) {
     return R"({"fx": 500, "fy": 400, "cx": 320, "cy": 240, )" + more + "}";

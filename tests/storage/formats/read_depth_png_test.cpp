@@ -32,7 +32,7 @@ TEST_F(ReadDepthPng, PutsEachPixelInFrontOfTheCamera) {
   const double depths[] = {1, 2, 3, 65.535};
   const int u[] = {0, 2, 0, 2}, v[] = {0, 0, 1, 1};
   for (std::size_t i = 0; i < 4; ++i) {
-    // A float holds 24 bits: half a step is 6e-8 of the value.
+    // A float has 24 bits: half a unit in the last place is 6e-8 of the value.
     const Eigen::Vector3d expected((u[i] - kCamera.cx) / kCamera.fx * depths[i],
                                    (v[i] - kCamera.cy) / kCamera.fy * depths[i], depths[i]);
     EXPECT_LT((cloud->points[i].cast<double>() - expected).norm(), 1e-7 * depths[i]);
@@ -54,7 +54,7 @@ TEST_F(ReadDepthPng, RefusesWhatHoldsNoDepths) {
   EXPECT_TRUE(is_refused(read("\x89PNG, but not really a PNG file, only a text"), "signature"));
 }
 
-// A covered camera, or nothing within its range: a scene all the same.
+// A covered camera, or nothing within its range, still gives a valid scene.
 TEST_F(ReadDepthPng, ReadsAnImageWithoutAnyMeasurement) {
   const auto cloud = read(test::depth_png(2, 2, {0, 0, 0, 0}), {.camera = kCamera});
   ASSERT_TRUE(cloud) << cloud.error().message;

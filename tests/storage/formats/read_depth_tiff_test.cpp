@@ -1,4 +1,4 @@
-// Depth images as TIFF, beside the same as PNG.
+// Depth images in TIFF files, compared with the same images in PNG files.
 #include <gtest/gtest.h>
 #include <tiffio.h>
 
@@ -18,13 +18,13 @@ using test::kReadOptions;
 using test::little;
 using test::tiff_file;
 
-constexpr std::uint32_t kWidth = 70, kHeight = 45;  // no multiples of tiles and strips
+constexpr std::uint32_t kWidth = 70, kHeight = 45;  // not multiples of tiles and strips
 
-/// How libtiff is to write an image.
+/// The layout in which libtiff writes an image.
 struct Layout {
   int compression = COMPRESSION_NONE, predictor = PREDICTOR_NONE;
   std::uint32_t tile = 0, rows_per_strip = 7;
-  const char* mode = "w";  ///< with l or b: the byte order; 8: with offsets of 64 bits
+  const char* mode = "w";  // /< with l or b: the byte order; with 8: 64-bit offsets
 };
 
 class ReadDepthTiff : public testing::Test {
@@ -33,7 +33,7 @@ class ReadDepthTiff : public testing::Test {
     return read_cloud(folder_.write("depth.tif", bytes), options);
   }
 
-  /// Write `images` images of these depths one behind the other.
+  /// Writes `images` depth images to one file, one after the other.
   template <class T>
   std::filesystem::path write(const std::vector<T>& depths, const Layout& layout, int images = 1) {
     const std::filesystem::path file = folder_ / "written.tiff";
@@ -172,7 +172,7 @@ TEST_F(ReadDepthTiff, SurvivesEveryTruncationAndDamagedByteOfTiles) {
     };
     for (std::size_t size = 0; size < bytes.size(); size += 1 + size / 64)
       ASSERT_TRUE(survives(bytes.substr(0, size))) << size;
-    // The directory is what libtiff writes last.
+    // libtiff writes the directory last.
     for (std::size_t at = 0; at<bytes.size(); at += at + 600> bytes.size() ? 1 : 41) {
       for (const int change : {1, 0x80, 0xFF}) {
         std::string damaged = bytes;

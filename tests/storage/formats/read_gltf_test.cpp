@@ -1,4 +1,4 @@
-// glTF as JSON and binary: what its nodes show, and what it must not make us read.
+// glTF as JSON and binary: the transforms of its nodes, and references that must not be read.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -87,7 +87,8 @@ TEST_F(ReadGltf, TakesTrianglesStripsAndFansWithIndicesOfEveryType) {
 }
 
 TEST_F(ReadGltf, PutsMeshesWhereTheirNodesAre) {
-  // A turn about z by 90 degrees, twice as large, and a step along x; then a step along y of all.
+  // A rotation about z by 90 degrees, a scale of 2 and a shift along x; then a shift of all along
+  // y.
   const double half = std::sqrt(0.5);
   json document = square();
   document["nodes"] = {{{"children", {1, 2}}, {"translation", {0, 10, 0}}},
@@ -104,7 +105,7 @@ TEST_F(ReadGltf, PutsMeshesWhereTheirNodesAre) {
   for (std::size_t i = 0; i < 8; ++i)
     EXPECT_LT((cloud->points[i] - expected[i % 4]).norm(), 1e-6F) << i;
 
-  // Mirrored: the outer side stays outside.
+  // A mirrored node: the outer side stays outside.
   document["nodes"] = {{{"mesh", 0}, {"scale", {1, 1, -1}}}};
   const auto mirrored = read(document);
   ASSERT_TRUE(mirrored) << mirrored.error().message;
@@ -183,7 +184,7 @@ TEST_F(ReadGltf, ReadsNoFilesButThoseBelowItsFolder) {
   EXPECT_TRUE(is_refused(read_inner("data:text/plain,abc"), "base64"));
   EXPECT_TRUE(is_refused(read_inner("data:;base64,ab*d"), "base64"));
   EXPECT_TRUE(is_refused(read_inner("data:;base64,abcd"), "truncated"));
-  // Bytes that a client sent lie in no folder.
+  // Bytes sent by a client have no folder to resolve paths in.
   document["buffers"][0]["uri"] = outside.string();
   const std::string text = document.dump();
   const auto sent = read_cloud(std::as_bytes(std::span(text)), "trivet_body.gltf");
@@ -279,7 +280,7 @@ TEST_F(ReadGltf, StopsAtTheLimitHoweverOftenAMeshIsShown) {
   const auto all = read(document);
   ASSERT_TRUE(all) << all.error().message;
   EXPECT_EQ(all->points.size(), 4000U);
-  // A thousand nodes deep, and in a circle.
+  // Nodes nested a thousand deep, and nodes in a cycle.
   document["scenes"][0]["nodes"] = {0};
   for (int node = 0; node < 999; ++node) document["nodes"][node]["children"] = {node + 1};
   ASSERT_TRUE(read(document));

@@ -1,4 +1,4 @@
-// Any format packed by gzip is what it is unpacked.
+// Any format in a gzip file reads the same as the unpacked file.
 #include <gtest/gtest.h>
 
 #include "storage/files/gunzip.hpp"
@@ -94,7 +94,7 @@ TEST_F(ReadGzip, RefusesADecompressionBombWithoutMemoryForIt) {
   const std::string fits = kFourPoints + std::string(100'000 - 26, ' ');
   EXPECT_TRUE(read(gzip_file(fits), small));
   EXPECT_TRUE(is_refused(read(gzip_file(fits + ' '), small), "more than the limit"));
-  // Each layer would multiply.
+  // Nested gzip is refused because each layer would multiply the size.
   EXPECT_TRUE(is_refused(read(gzip_file(gzip_file(kFourPoints))), "packed by gzip twice"));
 }
 

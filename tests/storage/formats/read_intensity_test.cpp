@@ -65,7 +65,7 @@ TEST_F(ReadIntensity, IsTheBrightnessOfPclsPackedColors) {
     expect_near(read("c.pcd", binary), expected);
     expect_near(read("d.pcd", ascii), expected);
   }
-  // With a fourth share, its bits may be those of no number: quieting it would change the red.
+  // With a fourth channel, the bits may be a signaling NaN: quieting it would change the red.
   const std::string noted = test::little(1.0F) + test::little(0.5F) + test::little(2.0F) +
                             test::little(std::uint32_t{0xFFBF0000});
   expect_near(read("e.pcd", "VERSION .7\nFIELDS x y z rgba\n" + sizes +

@@ -26,7 +26,7 @@ class ReadNpy : public testing::Test {
   test::TempDir folder_;
 };
 
-/// 0, 1, 2 ... as values of a type.
+/// The values 0, 1, 2 ... of a type.
 template <class T>
 std::string counted(int count, bool big_endian) {
   std::string bytes;
@@ -95,7 +95,7 @@ TEST_F(ReadNpy, TakesTheOrderOfFortran) {
 }
 
 TEST_F(ReadNpy, KeepsTheGridOfAnOrganizedCloud) {
-  // Two rows of three pixels: one at the origin, one not finite.
+  // Two rows of three pixels: one is at the origin, one is not finite.
   const float nan = std::nanf("");
   const std::string rows = little({1.F, 1.F, 5.F, 0.F, 0.F, 0.F, 3.F, 1.F, 5.F}) +
                            little({1.F, 2.F, 5.F, nan, 2.F, 5.F, 3.F, 2.F, 5.F});
@@ -114,7 +114,7 @@ TEST_F(ReadNpy, KeepsTheGridOfAnOrganizedCloud) {
     EXPECT_EQ(cloud->points[3], Eigen::Vector3f(3, 2, 5));
     EXPECT_EQ(cloud->viewpoint, Eigen::Vector3f(0, 0, 0));
   }
-  // A single row is a list of points.
+  // A single row is read as an unorganized cloud.
   const auto list = read(npy_file("<f4", "(1, 6, 3)", rows));
   ASSERT_TRUE(list) << list.error().message;
   EXPECT_FALSE(list->grid);

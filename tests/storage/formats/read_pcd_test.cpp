@@ -142,7 +142,7 @@ TEST_F(ReadPcd, RefusesCompressedBodiesThatLie) {
   EXPECT_TRUE(is_refused(read(compressed(one, 12, test::lzf_literals(point.substr(1)))), "unpack"));
   EXPECT_TRUE(is_refused(
       read(one + "DATA binary_compressed\n" + little({4000000000U, 12U}) + point), "truncated"));
-  // 357,913,941 points of 12 bytes do not fit into a few bytes however well they compress.
+  // 357,913,941 points of 12 bytes cannot fit in a few bytes, whatever the compression.
   EXPECT_TRUE(is_refused(
       read(compressed(kFields + "WIDTH 90000000\nPOINTS 90000000\n", 1080000000, "\xFF\xFF\xFF")),
       "compressed to 3"));
@@ -197,7 +197,7 @@ TEST(DecompressLzf, RefusesWhatLeavesItsBounds) {
                    "a"
                    "\x20\x01"s,
                    4),
-            "refused");  // a copy from before the output
+            "refused");  // a copy from before the output's start
   EXPECT_EQ(unpack("\x00"s
                    "a"
                    "\xE0\xFF\x00"s,

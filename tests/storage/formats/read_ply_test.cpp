@@ -86,13 +86,13 @@ TEST_F(ReadPly, SplitsPolygonsIntoFansAndLeavesOutLines) {
 }
 
 TEST_F(ReadPly, KeepsTheWindingOfTriangleStrips) {
-  // Over points of a flat grid, strips that go to and fro: every triangle must look up (+z).
+  // Triangle strips that alternate in direction over a flat grid: every triangle must face +z.
   const auto cloud =
       read("ply\nformat ascii 1.0\nelement vertex 6\n" + kXyz +
            "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
            "0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n12 1 0 3 2 5 4 -1 1 0 3 3 3\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
-  ASSERT_EQ(cloud->triangles.size(), 5U);  // the last two of the second strip only repeat a vertex
+  ASSERT_EQ(cloud->triangles.size(), 5U);  // the last two of the second strip repeat a vertex
   for (std::size_t t = 0; t < 5; ++t) {
     const Vector a = cloud->points[cloud->triangles.a[t]], b = cloud->points[cloud->triangles.b[t]];
     const Vector c = cloud->points[cloud->triangles.c[t]];

@@ -1,4 +1,4 @@
-// STEP files, where they can be read, and what is said where not.
+// STEP files where they can be read, and the error message where they cannot.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -31,7 +31,8 @@ std::filesystem::path write_part(const test::TempDir& folder, const char* unit) 
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(kLength, kWidth, kHeight).Shape();
   const TopoDS_Shape hole = BRepPrimAPI_MakeCylinder(axis, kRadius, kHeight).Shape();
   STEPControl_Controller::Init();
-  Interface_Static::SetCVal("write.step.unit", unit);  // writers take it when they are made
+  Interface_Static::SetCVal("write.step.unit",
+                            unit);  // writers read the unit when they are created
   STEPControl_Writer writer;
   EXPECT_EQ(writer.Transfer(BRepAlgoAPI_Cut(box, hole).Shape(), STEPControl_AsIs),
             IFSelect_RetDone);
@@ -62,7 +63,7 @@ TEST(ReadStep, GivesAClosedSurfaceOfTheRightVolumeInTheUnitAskedFor) {
       const auto cloud = read_cloud(file, {.unit = unit});
       ASSERT_TRUE(cloud) << cloud.error().message;
       ASSERT_TRUE(test::is_valid(*cloud));
-      // The polygon in the hole lies inside of its circle by a thousandth of the diagonal at most.
+      // The polygon in the hole lies inside its circle by at most a thousandth of the diagonal.
       EXPECT_NEAR(volume(*cloud) / (scale * scale * scale), exact, 1e-3 * exact) << written;
     }
   }

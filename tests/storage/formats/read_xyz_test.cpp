@@ -98,7 +98,7 @@ TEST_F(ReadXyz, TakesColorsOfZeroAndOneForNoNormals) {
   EXPECT_EQ(box->normals.size(), 3U);
   EXPECT_EQ(named->normals.size(), 2U);
 
-  // Two walls of a corner with their normals, and a table in two colors.
+  // Two walls of a corner with their normals, and a tabletop in two colors.
   std::string walls, table;
   for (const char* row : {"0 0", "0 1", "1 0", "1 1", "2 0", "2 1"}) {
     walls += std::string(row) + " 0 0 0 1\n" + row[0] + " 0 " + row[2] + " 0 1 0\n";

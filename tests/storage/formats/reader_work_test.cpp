@@ -1,4 +1,5 @@
-// What reading takes grows as the file does, whatever its format; a few bytes cannot ask for much.
+// The memory and time of reading grow with the file in every format; a few bytes cannot demand
+// much.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -185,7 +186,7 @@ TEST(ReaderWork, GrowsAsTheFileOfEveryFormat) {
   }
 }
 
-// Triangles that lie on one another, or have no area, are no more work than others.
+// Coincident triangles and triangles without area cost no more work than others.
 TEST(ReaderWork, GrowsAsTheFileOfDegenerateMeshes) {
   for (const auto& make : {test::layered_tetrahedron, test::shifted_tetrahedra}) {
     std::size_t before = work_of(test::obj_file(make(1024)), "a.obj", 4);

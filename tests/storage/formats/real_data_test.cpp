@@ -1,4 +1,4 @@
-// The development data: real scans, read whole.
+// Tests on the development data: real scans, read whole.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -79,7 +79,7 @@ TEST_F(RealData, CountsAreTheKnownOnes) {
 }
 
 TEST_F(RealData, TheGridOfAScanHoldsItsPointsInOrder) {
-  // Neighboring pixels of a row hold neighboring points: the grid is not transposed.
+  // Neighboring pixels of a row hold neighboring points, so the grid is not transposed.
   const auto cloud = read_cloud(data_ / "stanford_bunny_scans/bun000.ply");
   ASSERT_TRUE(cloud && cloud->grid);
   const PixelGrid& grid = *cloud->grid;

@@ -59,7 +59,7 @@ Points place(const Outline2d& outline, const Pose& pose) {
   return points;
 }
 
-/// Whether the triangles' edges are those of the outline and, in both directions, those within.
+/// Whether the triangles' edges are the edges of the outline and inner edges in both directions.
 testing::AssertionResult is_bounded_by_outline(const Split& split) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
   const auto count = [&](std::uint32_t from, std::uint32_t to, int by) {
@@ -94,7 +94,7 @@ Outline2d shifted(Outline2d outline, std::size_t by) {
   return outline;
 }
 
-/// A staircase of random heights, on whole numbers: many corners in line, many level.
+/// A staircase of random heights with integer coordinates: many collinear corners at equal heights.
 Outline2d skyline(test::Random& random, int columns) {
   Outline2d outline{{0, 0}, {static_cast<double>(columns), 0}};
   for (int x = columns; x > 0; --x) {
@@ -105,7 +105,8 @@ Outline2d skyline(test::Random& random, int columns) {
   return outline;
 }
 
-/// Corners at random distances all around: simple, since the origin sees all of them.
+/// Corners at random distances all around. The polygon is simple because the origin sees all
+/// corners.
 Outline2d star(test::Random& random, int corners) {
   Outline2d outline;
   for (int i = 0; i < corners; ++i) {
@@ -115,7 +116,7 @@ Outline2d star(test::Random& random, int corners) {
   return outline;
 }
 
-/// A band wound up several times.
+/// A band wound into a spiral of several turns.
 Outline2d spiral(int steps) {
   Outline2d outside, inside;
   for (int i = 0; i < steps; ++i) {
@@ -128,7 +129,7 @@ Outline2d spiral(int steps) {
   return outside;
 }
 
-/// A plate with a row of holes, each bridged to a corner of the lower edge below it.
+/// A plate with a row of holes. A bridge joins each hole to a corner of the lower edge below it.
 Outline2d plate_with_row_of_holes(int holes, int corners_of_hole) {
   Outline2d outline{{0, 0}};
   for (int h = 0; h < holes; ++h) outline.emplace_back(2 * h + 1, 0);
@@ -145,8 +146,8 @@ Outline2d plate_with_row_of_holes(int holes, int corners_of_hole) {
   return outline;
 }
 
-/// A plate with a row of square holes, the first bridged to the plate's corner, each to the one
-/// before it: the walk passes above all of them and comes back below.
+/// A plate with a row of square holes. Bridges join the first hole to the plate's corner and each
+/// hole to the one before it: the outline passes above all holes and returns below them.
 Outline2d plate_with_chained_holes(int holes) {
   Outline2d outline{{0, 0}}, back;
   for (int h = 0; h < holes; ++h) {
@@ -225,7 +226,7 @@ TEST(SplitPolygon, CoversTurnedMovedAndBentOutlines) {
 
     Points bent = place(c.outline, random.motion());
     for (std::size_t i = 0; i < bent.size(); ++i) bent.set(i, bent[i] + 1e-3F * random.direction());
-    // A bridge's ends are one place each before and after.
+    // Each end of a bridge is one position before and after the change.
     for (std::size_t i = 0; i < bent.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         if (c.outline[i] == c.outline[j]) bent.set(i, bent[j]);
@@ -262,8 +263,8 @@ TEST(SplitPolygon, GivesTrianglesForOutlinesWithoutAnInside) {
   test::Random random;
   std::vector<Points> polygons;
   polygons.push_back(place({{0, 0}, {1, 1}, {1, 0}, {0, 1}}, Pose::Identity()));  // a bow tie
-  polygons.push_back(place({{0, 0}, {3, 0}, {1, 0}, {2, 0}}, Pose::Identity()));  // all in line
-  polygons.push_back(place({{1, 1}, {1, 1}, {1, 1}, {1, 1}}, Pose::Identity()));  // one place
+  polygons.push_back(place({{0, 0}, {3, 0}, {1, 0}, {2, 0}}, Pose::Identity()));  // collinear
+  polygons.push_back(place({{1, 1}, {1, 1}, {1, 1}, {1, 1}}, Pose::Identity()));  // one position
   for (const float broken : {nan, inf, 3e38F}) {
     polygons.push_back(place(test::gear_outline(5), Pose::Identity()));
     polygons.back().set(7, {broken, 0, 0});
@@ -317,7 +318,7 @@ Outline2d zigzag_ring(int corners) {
   return outline;
 }
 
-// 2^1.5 is 2.83; the square would be 4.
+// Doubling the size multiplies the steps by about 2^1.5 = 2.83; quadratic growth would give 4.
 TEST(SplitPolygon, TakesFarFewerStepsThanTheSquareForOutlinesOfParts) {
   for (const auto& outline :
        {std::function<Outline2d(int)>(zigzag_ring),

@@ -1,4 +1,4 @@
-// Depth images of lenses that bend, and of depths along the ray.
+// Depth images of lenses with distortion, and depths measured along the ray.
 #include "storage/formats/undistort.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ Camera bent_camera() {
   return camera;
 }
 
-/// By definition (OpenCV, "Camera Calibration and 3D Reconstruction"), in matrices.
+/// The lens distortion by definition (OpenCV, "Camera Calibration and 3D Reconstruction"), in
+/// matrices.
 Eigen::Vector2d bend(const LensDistortion& d, const Eigen::Vector2d& p) {
   const double r2 = p.squaredNorm(), r4 = r2 * r2, r6 = r4 * r2;
   const double radial =
@@ -30,7 +31,7 @@ Eigen::Vector2d bend(const LensDistortion& d, const Eigen::Vector2d& p) {
                                       d.p1 * (r2 + 2 * p.y() * p.y()) + 2 * d.p2 * p.x() * p.y());
 }
 
-/// The ray whose bent one passes a pixel, by fixed-point iteration to the last digits.
+/// The ray whose distorted image is this pixel, by fixed-point iteration to the last digits.
 Eigen::Vector2d ray_of_pixel(const Camera& camera, double u, double v) {
   const Eigen::Vector2d bent((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy);
   Eigen::Vector2d ray = bent;
@@ -38,7 +39,7 @@ Eigen::Vector2d ray_of_pixel(const Camera& camera, double u, double v) {
   return ray;
 }
 
-/// What a camera measures, whose pixels see z(x, y) along their rays.
+/// The depth image of the surface z(x, y), whose pixels measure along their distorted rays.
 std::vector<float> take_image(const Camera& camera,
                               const std::function<double(const Eigen::Vector2d&)>& z_along) {
   std::vector<float> image;
@@ -60,7 +61,7 @@ Cloud read(const std::vector<float>& image, const Camera& camera) {
   return cloud ? *cloud : Cloud{};
 }
 
-/// Of the plane n . p = 1 along a ray.
+/// The depth of the plane n . p = 1 along a ray.
 double plane_z(const Eigen::Vector3d& n, const Eigen::Vector2d& ray) {
   return 1 / n.dot(Eigen::Vector3d(ray.x(), ray.y(), 1));
 }
@@ -77,11 +78,11 @@ TEST(Undistort, LeavesPlanesFlat) {
     double farthest = 0;
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
       farthest = std::max(farthest, std::abs(n.dot(cloud.points[i].cast<double>()) - 1) / n.norm());
-    // A bilinear interpolation misses by the image's curvature between pixels, some 1e-5 here, and
-    // by up to half a pixel's slope at the image's border, where it takes the nearest.
+    // Bilinear interpolation errs by the image's curvature between pixels, some 1e-5 here. At the
+    // image's border, where the nearest value is used, it errs by up to half a pixel's slope.
     EXPECT_LT(farthest, 0.0015);
 
-    // What the lens bends is bent without it: the test tells the two apart.
+    // Without undistortion the plane stays bent, so the test detects a missing correction.
     Camera straight = camera;
     straight.distortion = {};
     const Cloud wrong = read(image, straight);
@@ -123,7 +124,7 @@ TEST(Undistort, DistortsAsOpenCvWritesIt) {
     EXPECT_NEAR(bent->first, expected.x(), 1e-14);
     EXPECT_NEAR(bent->second, expected.y(), 1e-14);
   }
-  // 1 - 3 k r^2 is zero at r = 0.577 for k1 = -1: beyond, the image would run backwards.
+  // 1 - 3 k r^2 is zero at r = 0.577 for k1 = -1: beyond it, the distortion is not invertible.
   EXPECT_TRUE(formats::distort({-1}, 0.57, 0));
   EXPECT_FALSE(formats::distort({-1}, 0.58, 0));
 }

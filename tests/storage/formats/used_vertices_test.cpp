@@ -10,8 +10,7 @@
 namespace trivet {
 namespace {
 
-/// A tetrahedron; whether a fifth vertex lies far from it, and whether a triangle without area uses
-/// that.
+/// A tetrahedron, optionally with a distant fifth vertex and a triangle without area that uses it.
 struct Tetrahedron {
   bool far_vertex = false, flat_triangle = false;
 
@@ -52,7 +51,7 @@ struct Tetrahedron {
   std::string off() const {
     return fmt::format("OFF\n{} {} 0\n", num_points(), num_triangles()) + lines("", "3 ", 0);
   }
-  std::string stl() const {  // which has no vertices but those of triangles
+  std::string stl() const {  // its vertices are all corners of triangles
     std::string text = "solid a\n";
     const auto p = coordinates();
     const auto t = indices();
@@ -118,7 +117,7 @@ TEST(UsedVertices, LeaveOutOfModelsOfEveryFormatWhatNoFaceWithAnAreaUses) {
     if (has_vertices) {
       const Result<Cloud> far = read_as((Tetrahedron{true, false}.*file)(), name, true);
       expect_tetrahedron(far, name);
-      // glTF keeps no vertex that no index names.
+      // The glTF reader keeps no vertex without an index.
       EXPECT_EQ(far->num_unused, name == "a.glb" ? 0U : 1U) << name;
     }
     const Result<Cloud> flat = read_as((Tetrahedron{true, true}.*file)(), name, true);
@@ -144,7 +143,7 @@ TEST(UsedVertices, AreAllPointsOfAScan) {
   EXPECT_EQ(scan->num_unused, 0U);
 }
 
-// Programs that show nothing else write the points of a cloud as faces.
+// Programs that only display meshes write the points of a cloud as degenerate faces.
 TEST(UsedVertices, AreAllPointsWhereNoFaceHasAnArea) {
   const Result<Cloud> cloud =
       read_as("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 1 1\nf 2 2 2\nf 3 3 3\n", "a.obj", true);
@@ -168,7 +167,7 @@ TEST(UsedVertices, HaveAnAreaBesideThatFloatsTell) {
   EXPECT_EQ(none.num_unused, 4U);
   EXPECT_EQ(none.num_without_area, 1U);
 
-  // What fills a T-junction has no area, but its vertices are those of faces that have.
+  // The triangle that fills a T-junction has no area, but its vertices belong to faces with area.
   sliver.push_back(0, 1, 3);
   sliver.push_back(1, 2, 3);
   const UsedVertices joined = find_used_vertices(vertices, sliver);

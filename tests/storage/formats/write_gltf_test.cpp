@@ -8,7 +8,7 @@
 namespace trivet {
 namespace {
 
-/// Random points, some of zeros with a sign, every one in a triangle.
+/// Random points, some with signed zeros, each a corner of a triangle.
 Cloud random_mesh(test::Random& random, bool with_normals) {
   Cloud cloud;
   const std::uint32_t n = 3 + random.below(300);

@@ -1,4 +1,4 @@
-// Libraries of all versions of the format that programs were given out with: read for ever.
+// Libraries in every released version of the format, which must stay readable for ever.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 

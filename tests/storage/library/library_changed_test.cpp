@@ -1,4 +1,4 @@
-// A library that others write in place is told from one that stays, and never read on.
+// A library that other processes overwrite in place is detected, and no longer read.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -64,7 +64,7 @@ TEST_F(LibraryChangedTest, StaysWhereAnotherTakesItsName) {
 TEST_F(LibraryChangedTest, IsToldByNameAndStaysChanged) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library && library->check_all());
-  overwrite(bytes_);  // the same bytes: who was asked meanwhile may have read others
+  overwrite(bytes_);  // same bytes, but a reader may have seen others in between
   expect_changed(*library, file());
   const Result<Library> anew = open_library(file());
   EXPECT_TRUE(anew && anew->check_all() && anew->unchanged());
@@ -89,11 +89,11 @@ TEST_F(LibraryChangedTest, IsSeenToHaveOtherBytesThoughItsTimeWasSetBack) {
       bytes_.find(std::string_view(reinterpret_cast<const char*>(column.data()), 16)));
   std::fstream(file(), std::ios::in | std::ios::out | std::ios::binary).seekp(at) << "other";
   fs::last_write_time(file(), written);
-  EXPECT_FALSE(library->is_changed()) << "nothing but bytes can tell";
+  EXPECT_FALSE(library->is_changed()) << "only the bytes can show it";
   expect_changed(*library, file());
 }
 
-// What is opened from a file that is being written is refused, or one of those that were written.
+// Opening a file during a write fails or gives one of the written libraries.
 TEST_F(LibraryChangedTest, IsNeverReadAsAMixtureOfTwo) {
   write("new.h5", 2);
   const std::string other = read_bytes(folder() / "new.h5");

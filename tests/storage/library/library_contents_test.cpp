@@ -1,4 +1,4 @@
-// What a library in the making tells of itself, for who takes it up.
+// The contents reported by an unfinished library, for resuming its training.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 using test::difference;
 using test::random_model;
 
-/// Of three models, two were told of before the last one.
+/// A library of three models, two of which were reported before the last one was added.
 class LibraryContents : public test::LibraryTest {
  protected:
   LibraryContents() {
@@ -106,10 +106,10 @@ TEST_F(LibraryContents, ShowDamageOfTheFileThatTheyTellOf) {
       << truncated.error().message;
 }
 
-/// What a process with little room for a file makes of it: the exit code.
+/// Reports the first model in a child process with a file size limit; returns the exit code.
 int tell_of_the_first(const fs::path& folder, const TriSpinBasis& basis, rlim_t limit,
                       std::span<const Model> models) {
-  std::signal(SIGXFSZ, SIG_IGN);  // writing fails instead
+  std::signal(SIGXFSZ, SIG_IGN);  // makes writes fail instead
   const rlimit room{limit, limit};
   ::setrlimit(RLIMIT_FSIZE, &room);
   auto writer = LibraryWriter::create_lasting(folder / "full.h5", folder / "1.models",

@@ -1,4 +1,5 @@
-// Damaged, foreign and hostile files: refused, or the library that was written; never another one.
+// Damaged, foreign and hostile files are refused or read as the library that was written, never as
+// another.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -12,7 +13,7 @@
 #include "support/random_model.hpp"
 
 #ifdef __SANITIZE_ADDRESS__
-// HDF5 1.10.8 itself loses about 300 bytes for each object header that it finds to be damaged.
+// HDF5 1.10.8 leaks about 300 bytes for each damaged object header.
 extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
 #endif
 
@@ -43,7 +44,7 @@ class LibraryDamageTest : public test::LibraryTest {
     }
   }
 
-  /// The library must be refused as bad data, with a message that holds this text.
+  /// Expects the library to be refused as bad data, with a message that contains this text.
   void expect_refused(const std::string& text, ErrorCode code = ErrorCode::bad_data) const {
     const auto library = verify_library(file());
     ASSERT_FALSE(library) << "expected a refusal: " << text;
@@ -52,7 +53,7 @@ class LibraryDamageTest : public test::LibraryTest {
     EXPECT_NE(library.error().message.find(text), std::string::npos) << library.error().message;
   }
 
-  /// Refused, or equal to what was written.
+  /// Expects the library to be refused, or equal to what was written.
   void expect_refused_or_equal(const std::string& what) const {
     const auto library = verify_library(file());
     if (!library) return;
@@ -98,7 +99,8 @@ TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBit) {
   }
 }
 
-// Metadata is a small part of the file: flip more of the first 2 kB, which is nothing else.
+// Metadata is a small part of the file: more bits are flipped in the first 2 kB, which is only
+// metadata.
 TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByAFlippedBitOfTheStructure) {
   const auto whole = read_bytes(file());
   for (std::size_t bit = 0; bit < 8 * 2048; bit += 31) {
@@ -125,7 +127,8 @@ TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByZeroedOrSwappedBlocks) {
   }
 }
 
-// As recognition uses a library: what was checked is what was written, whatever is wrong elsewhere.
+// Recognition reads single models: a model that passed its check equals what was written, whatever
+// damage lies elsewhere.
 TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFirstUsed) {
   const auto whole = read_bytes(file());
   std::mt19937_64 random(20261124);
@@ -133,7 +136,7 @@ TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFir
   for (int i = 0; i < 1000; ++i) {
     auto damaged = whole;
     const std::size_t at = random() % whole.size();
-    if (i % 3 == 0) {  // a splice
+    if (i % 3 == 0) {  // splices in other bytes
       const std::size_t from = random() % whole.size();
       const std::size_t n = std::min({whole.size() - at, whole.size() - from, random() % 5000});
       damaged.replace(at, n, whole, from, n);
@@ -146,7 +149,7 @@ TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFir
     ++num_opened;
     ASSERT_EQ(library->models.size(), models_.size());
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
-      Model mixed = models_[m];  // what is refused is never read
+      Model mixed = models_[m];  // a refused model is never read
       const Model& read = library->models[m];
       const auto is_good = [&](ModelPart part) {
         const auto checked = library->check(m, part);
@@ -190,7 +193,7 @@ TEST_F(LibraryDamageTest, FindsADirectoryThatSaysSomethingElseThanTheGroups) {
 
 TEST_F(LibraryDamageTest, ReadsAFileThatWasStoredAnewByItsGroups) {
   const Model& model = models_[0];
-  edit_library(file(), [&](hid_t root) {  // a directory that lies elsewhere than it says
+  edit_library(file(), [&](hid_t root) {  // a directory whose stated address is wrong
     const std::uint64_t offset = 8;
     replace_attribute(root, "directory", "offset", H5T_NATIVE_UINT64, &offset);
     const float diameter = 7;
@@ -228,7 +231,7 @@ TEST_F(LibraryDamageTest, RefusesOtherHdf5Files) {
   hdf5::start();
   fs::remove(file());
   { const Handle old(H5Fcreate(file().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT)); }
-  expect_refused("superblock");  // of version 0: its structure has no checksums
+  expect_refused("superblock");  // a superblock of version 0 has no checksums
   {
     const Handle access = hdf5::file_access();
     const Handle empty(H5Fcreate(file().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));
@@ -364,7 +367,8 @@ TEST_F(LibraryDamageTest, RefusesOtherTypesAndShapes) {
       const Handle creation(H5Pcreate(H5P_DATASET_CREATE));
       ASSERT_GE(H5Pset_alloc_time(creation.get(), H5D_ALLOC_TIME_LATE), 0);
       replace_dataset(root, kVertices, type, shape, creation.get());
-      if (text == "expected float32") {  // refused by the reader's table, not by the structure
+      if (text ==
+          "expected float32") {  // refused by the reader's table, not by the structure check
         const Handle dataset(H5Dopen2(root, kVertices.c_str(), H5P_DEFAULT));
         const std::vector<char> zeros(4096);
         ASSERT_GE(H5Dwrite(dataset.get(), type, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros.data()), 0);
@@ -383,7 +387,8 @@ TEST_F(LibraryDamageTest, RefusesOtherTypesAndShapes) {
   replace("at most 4 dimensions", H5T_IEEE_F32LE, std::array<hsize_t, 5>{1, 1, 1, 1, 1});
   replace("more bytes than", H5T_IEEE_F32LE, std::array<hsize_t, 2>{3, hsize_t{1} << 59});
   replace("more bytes than", H5T_IEEE_F32LE, std::array<hsize_t, 2>{3, 1'000'000});
-  replace("to lie elsewhere", H5T_IEEE_F32LE, kVerticesShape);  // never written: has no place
+  replace("to lie elsewhere", H5T_IEEE_F32LE,
+          kVerticesShape);  // never written, so it has no address
 }
 
 TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
@@ -450,7 +455,7 @@ TEST_F(LibraryDamageTest, RefusesAttributesOfVariableLength) {
   expect_refused("@note");
 }
 
-// Each value is set with right checksums: only the check of the content can see it.
+// Each value is set with valid checksums, so only the check of the content can detect it.
 TEST_F(LibraryDamageTest, RefusesContentThatRecognitionCouldNotUse) {
   const auto whole = read_bytes(file());
   const Model& model = models_[0];

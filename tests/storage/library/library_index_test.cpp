@@ -1,4 +1,4 @@
-// The index as a library takes it in: piece by piece.
+// The index is added to a library piece by piece.
 #include <gtest/gtest.h>
 
 #include <numeric>
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kStride = 16, kRow = kStride + 4 + 12 + 8;  // bytes of a feature
 
-/// A library of two models that waits for its index.
+/// A library of two models without its index.
 class LibraryIndex : public test::LibraryTest {
  protected:
   LibraryIndex()
@@ -23,7 +23,7 @@ class LibraryIndex : public test::LibraryTest {
     EXPECT_TRUE(writer_.add(test::random_model("b", 1)));
     EXPECT_TRUE(writer_.add(test::random_model("a", 2)));
   }
-  /// A level of n features that say by their numbers which they are. A third model breaks it.
+  /// A level of n features numbered in order. A third model makes it invalid.
   LevelInPieces level(std::uint32_t n, std::uint32_t num_models) {
     FeatureLevel head;
     head.resolution = 0.5F;
@@ -94,7 +94,8 @@ TEST_F(LibraryIndex, RefusesALevelThatBreaksTheFormat) {
   EXPECT_EQ(added.error().message, "model: expected numbers below 2");
 }
 
-// What is looked at before a level is checked: it says whether the level is needed.
+// The model numbers are inspected before a level is checked: they decide whether the level is
+// needed.
 TEST_F(LibraryIndex, IsRefusedAtOnceWhereItNamesOtherModels) {
   ASSERT_TRUE(add(103, 2, 10 * kRow));
   ASSERT_TRUE(writer_.publish());

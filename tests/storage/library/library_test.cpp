@@ -1,4 +1,4 @@
-// The library round trip, its publication and what the writer refuses.
+// The library round trip, its publication, and inputs that the writer refuses.
 #include "storage/library/library.hpp"
 
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ TEST_F(LibraryTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(difference(library->basis, random_basis(5, test::kRandomComponents)), "");
 }
 
-// Above 4 kB a table begins on a page and is used in the mapped file, which the model keeps alive.
+// A table above 4 kB begins on a page and is used in the mapped file, which the model keeps alive.
 TEST_F(LibraryTest, KeepsLargeTablesInTheMappedFileAfterTheLibraryAndTheFileAreGone) {
   const Model model = random_model("large", 3,
                                    {.num_ppf_points = 3000,
@@ -110,7 +110,8 @@ TEST_F(LibraryTest, HoldsModelsWithoutFeatures) {
   EXPECT_EQ(without->basis.components.size(), 0U);
 }
 
-// More room than one message of an object header can hold, most of which stays empty; and too little.
+// One file reserves more space for names than a message of an object header can hold, mostly
+// unused; another reserves too little.
 TEST_F(LibraryTest, IsReadWhateverRoomItHadForNames) {
   for (const NamesToCome names : {NamesToCome{9000, 90000}, NamesToCome{2, 2}}) {
     auto writer = LibraryWriter::create(file(), kHeader, names);
@@ -175,7 +176,7 @@ TEST_F(LibraryTest, HoldsNoModelAtAll) {
   EXPECT_TRUE(library->models.empty());
 }
 
-// HDF5 crashes when it lists a damaged group of the dense kind.
+// HDF5 crashes when it lists a damaged group with dense storage.
 TEST_F(LibraryTest, KeepsTheLinksOfGroupsInTheirHeaders) {
   std::vector<Model> models;
   for (std::uint64_t i = 0; i < 20; ++i)
@@ -366,8 +367,8 @@ TEST_F(LibraryTest, ExplainsWhereItCannotCreate) {
   EXPECT_EQ(directory.error().code, ErrorCode::cannot_create);
 }
 
-// A full disk, simulated: writes beyond a size limit fail. Run in a child, which must also exit
-// cleanly.
+// Simulates a full disk: writes beyond a size limit fail. Runs in a child process, which must also
+// exit cleanly.
 int write_with_limit(const fs::path& file, rlim_t limit, const Model& model) {
   std::signal(SIGXFSZ, SIG_IGN);
   const rlimit bound{limit, limit};

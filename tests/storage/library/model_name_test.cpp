@@ -35,7 +35,7 @@ TEST(ModelName, IsMadeFromAnyOtherFile) {
   EXPECT_EQ(model_name_of(letters + ".obj"), letters.substr(0, 126)) << "no character is cut";
 }
 
-// Nothing of these can leave a folder, turn a line around or look like another name.
+// None of these names can leave a folder, reverse a line of text or imitate another name.
 TEST(ModelName, IsNothingThatActsOnPathsOrText) {
   for (const std::string& name : {std::string(),
                                   std::string("a/b"),
