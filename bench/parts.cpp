@@ -44,7 +44,7 @@ Cloud render() {
   return scan;
 }
 
-/// Of a placement of a part, against the truth.
+/// The error of a part's pose relative to the truth.
 struct PoseError {
   double diameters, degrees;
   bool right() const { return diameters < 0.1 && degrees < 12; }

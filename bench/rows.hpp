@@ -1,4 +1,4 @@
-/// How a row is named and sized.
+/// Names and sizes of rows.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -10,7 +10,7 @@
 namespace trivet::bench {
 
 /// A row of one stage and implementation: body(state, scan) runs the timed loop and adds counters.
-/// The last part of its name is the width of the scan, of 4 : 3 pixels.
+/// The last part of its name is the width of the scan, whose aspect ratio is 4 : 3.
 template <class Body>
 benchmark::internal::Benchmark* add_row(const std::string& name, Body body) {
   return benchmark::RegisterBenchmark(
@@ -32,7 +32,7 @@ bool add_rows(const std::string& name, Body body) {
   return true;
 }
 
-/// A row over the size that a quadratic algorithm can bear.
+/// A row at the size that a quadratic algorithm can handle.
 template <class Body>
 bool add_naive_row(const std::string& name, Body body) {
   add_row(name, body)->Arg(kNaiveWidth);

@@ -18,7 +18,7 @@ struct Hit {
   }
 };
 
-// Three walls and a ball; ray has z = 1, so its length up to a hit is the depth.
+// Three walls and a ball; the ray has z = 1, so its length up to a hit is the depth.
 Hit cast(const Eigen::Vector3f& ray) {
   Hit hit;
   const auto wall = [&](const Eigen::Vector3f& normal, float distance) {

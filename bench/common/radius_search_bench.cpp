@@ -9,8 +9,8 @@
 namespace trivet::bench {
 namespace {
 
-// The share of sampled queries whose neighbors differ from the reference's. A distance that float
-// and double put on different sides of the radius counts as different.
+// The fraction of sampled queries whose neighbors differ from the reference's. A distance that
+// float and double put on different sides of the radius counts as different.
 double wrong_rows(const Scan& scan, NeighborhoodsView rows) {
   double wrong = 0;
   constexpr std::size_t kSamples = 50;
@@ -30,7 +30,7 @@ void report(benchmark::State& state, const Scan& scan, NeighborhoodsView rows) {
   state.counters["wrong_rows"] = wrong_rows(scan, rows);
 }
 
-// All rows of a scan, the search structure included.
+// All neighborhoods of a scan, including the construction of the search structure.
 const bool kVoxelHash = add_rows("radius_search/ours_voxel_hash", [](benchmark::State& state,
                                                                      const Scan& scan) {
   const float radius = search_radius(scan);

@@ -41,7 +41,7 @@ Mesh degrade_mesh(const Mesh& model, const Degradation& how, float resolution,
   Mesh scene = model;
   for (std::size_t i = 0; i < model.vertices.size(); ++i)
     scene.vertices.set(i, T_scene_model * model.vertices[i]);
-  // A surface has about two triangles a vertex, before and after.
+  // A surface has about two triangles per vertex, before and after.
   if (how.divisor > 1)
     scene = kernels::decimate_mesh(scene.vertices, scene.triangles,
                                    scene.triangles.size() / how.divisor,

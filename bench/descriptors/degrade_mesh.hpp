@@ -1,4 +1,4 @@
-/// Scans that are known exactly: a model moved, thinned and disturbed by a stated amount.
+/// Simulated scans with known ground truth: a model moved, thinned and disturbed by stated amounts.
 #pragma once
 
 #include <cstdint>
@@ -12,19 +12,19 @@ namespace trivet::bench {
 struct Degradation {
   const char* name;
   float noise = 0;          ///< standard deviation of x, y and z each [mesh resolutions]
-  std::size_t divisor = 1;  ///< one in so many vertices is kept
+  std::size_t divisor = 1;  // /< one of this many vertices is kept
 };
 
-/// Those of Guo et al., IJCV 2013.
+/// The degradations of Guo et al., IJCV 2013.
 std::span<const Degradation> degradations();
 
-/// A pose that the seed alone decides: any rotation, and some way off.
+/// A pose that depends only on the seed: any rotation, and a shift.
 Pose random_pose(std::uint64_t seed, float reach);
 
-/// Move a model, then thin it, then disturb what is left.
+/// Moves a model, then thins it, then adds noise to the remaining vertices.
 ///
-/// resolution  of the model: its mean length of edges
-/// Thinning takes the edges away that matter least to the shape (kernels/meshing/decimate_mesh).
+/// resolution  of the model: its mean edge length
+/// Thinning removes the edges with the least effect on the shape (kernels/meshing/decimate_mesh).
 Mesh degrade_mesh(const Mesh& model, const Degradation& how, float resolution,
                   const Pose& T_scene_model, std::uint64_t seed);
 

@@ -1,5 +1,5 @@
-// How well descriptors find their places again on scans that are worse and worse: recall against
-// 1-precision over the ratio of the nearest distances, after Guo et al., IJCV 2013.
+// Repeatability of descriptors on increasingly degraded scans: recall against 1-precision over the
+// nearest-neighbor distance ratio, after Guo et al., IJCV 2013.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,9 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNumKeypoints = 1000;  // of each model
-constexpr int kNumThresholds = 100;          // steps of the ratio's
-constexpr float kReach = 0.5F;               // of a support: matches nearer than this are right
+constexpr std::size_t kNumKeypoints = 1000;  // per model
+constexpr int kNumThresholds = 100;          // steps of the ratio
+constexpr float kReach = 0.5F;               // in support radii: nearer matches are right
 
 struct StudiedModel {
   std::string name;
@@ -50,7 +50,7 @@ Result<StudiedModel> read_model(const fs::path& file) {
   return model;
 }
 
-/// A descriptor with what the models look like to it.
+/// A descriptor and its features on the models.
 struct Study {
   const Descriptor* descriptor;
   std::optional<PcaBasis> basis{};
@@ -93,7 +93,7 @@ Study study_models(const Descriptor& descriptor, const std::vector<StudiedModel>
   return study;
 }
 
-/// A scan of a model, and where on the model each of its keypoints is.
+/// A scan of a model, and the position of each of its keypoints on the model.
 struct Scan {
   KeypointSurface surface;
   Points true_places;
@@ -102,7 +102,7 @@ struct Scan {
 Scan scan_model(const StudiedModel& model, const Degradation& how, std::uint64_t seed) {
   const Pose T_scene_model = random_pose(seed, 100 * model.resolution);
   Mesh mesh = degrade_mesh(model.mesh, how, model.resolution, T_scene_model, seed);
-  // The scan's keypoints are the vertices nearest to the model's.
+  // The scan's keypoints are its vertices nearest to the model's keypoints.
   const kernels::VoxelHash grid(mesh.vertices, 2 * model.resolution);
   const Pose T_model_scene = T_scene_model.inverse();
   std::vector<std::uint32_t> keypoints;
@@ -117,7 +117,7 @@ Scan scan_model(const StudiedModel& model, const Degradation& how, std::uint64_t
   return scan;
 }
 
-/// Best recall of any threshold with 1-precision up to this.
+/// Best recall of any threshold with 1-precision up to this value.
 double recall_at(const PrecisionRecall& curve, double one_minus_precision) {
   double recall = 0;
   for (const OperatingPoint& point : curve.points)
@@ -169,7 +169,7 @@ class Tables {
   std::ofstream curves_, summary_;
 };
 
-/// Folders stand for the meshes in them.
+/// A folder stands for the meshes in it.
 std::vector<fs::path> list_files(std::span<char* const> arguments) {
   std::vector<fs::path> files;
   for (const fs::path path : arguments) {

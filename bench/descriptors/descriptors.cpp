@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::size_t kGrain = 64;
 
-/// Every keypoint has a frame here, however uncertain: all descriptors have the same keypoints.
+/// Every keypoint gets a frame, however uncertain, so that all descriptors have the same keypoints.
 constexpr kernels::FrameLimits kNoLimits{.min_points = 0, .min_hold = 0, .min_second_ratio = 1};
 
-/// Call body(grid, keypoint, its features, scratch) for each keypoint.
+/// Calls body(grid, keypoint, its features, scratch) for each keypoint.
 template <class Body>
 void for_each_keypoint(const KeypointSurface& surface, std::span<float> features, Body&& body) {
   const kernels::VoxelHash grid(surface.points, 0.5F * surface.radius);
@@ -37,7 +37,7 @@ void describe_trisi(const KeypointSurface& surface, std::span<float> features) {
       });
 }
 
-/// One image about the normal; finish(image) makes distances between images mean something.
+/// One spin image about the normal; finish(image) normalizes it so that distances are comparable.
 template <class Finish>
 void describe_spin(const KeypointSurface& surface, std::span<float> features, Finish&& finish) {
   for_each_keypoint(
@@ -52,7 +52,7 @@ void describe_spin(const KeypointSurface& surface, std::span<float> features, Fi
       });
 }
 
-/// Images that correlate are near one another: |a - b|^2 = 2 - 2 correlation(a, b).
+/// Correlated images are close: |a - b|^2 = 2 - 2 correlation(a, b).
 void standardize(std::span<float, kernels::kSpinImageSize> image) {
   double mean = 0, squared = 0;
   for (const float value : image) mean += static_cast<double>(value) / kernels::kSpinImageSize;

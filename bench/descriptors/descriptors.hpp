@@ -1,4 +1,4 @@
-/// The descriptors that are compared.
+/// The compared descriptors.
 #pragma once
 
 #include <cstddef>
@@ -13,15 +13,15 @@ namespace trivet::bench {
 
 struct Descriptor {
   std::string name;
-  std::size_t size = 0;  ///< numbers a keypoint
-  /// Write `size` numbers a keypoint of the surface; zeros for one that cannot be described.
+  std::size_t size = 0;  // /< numbers per keypoint
+  /// Writes `size` numbers per keypoint of the surface; zeros for one that cannot be described.
   void (*describe)(const KeypointSurface& surface, std::span<float> features) = nullptr;
-  std::size_t num_components = 0;  ///< of the models' features that are kept; 0: all as they are
+  std::size_t num_components = 0;  // /< principal components kept; 0: features unchanged
 
   std::size_t kept_size() const { return num_components > 0 ? num_components : size; }
 };
 
-/// TriSI, whole and projected, the spin image in two forms and, where PCL was found, its RoPS.
+/// TriSI, full and projected, the spin image in two forms and, where PCL was found, its RoPS.
 const std::vector<Descriptor>& descriptors();
 
 /// The features of a surface's keypoints, one after the other.

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kLanes = 16;
 constexpr std::size_t kQueriesAtOnce = 32, kFeaturesAtOnce = 128;  // a block stays in the L2 cache
 
-/// Sixteen partial sums, added up in one order on any processor; the rest one by one.
+/// Sixteen partial sums, added in the same order on any processor; the remainder one by one.
 TRIVET_SIMD_CLONES
 void compare(const float* __restrict query, const float* __restrict features, std::size_t dimension,
              std::size_t count, float* __restrict distances) noexcept {

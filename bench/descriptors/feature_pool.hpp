@@ -1,4 +1,4 @@
-/// Features of known places, and what matching with the nearest of them is worth.
+/// Features at known positions, and the quality of nearest-neighbor matches with them.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,31 +12,32 @@
 
 namespace trivet::bench {
 
-/// The features of all models, and where each is.
+/// The features of all models and their positions.
 struct FeaturePool {
   std::size_t dimension = 0;
   Column<float> features;  ///< `dimension` numbers each
   std::vector<std::uint32_t> models;
-  Points keypoints;            ///< of the models
-  std::vector<float> reaches;  ///< one a model: places nearer than that are the same
+  Points keypoints;            // /< positions on the models
+  std::vector<float> reaches;  // /< per model: nearer positions count as the same
 
   std::size_t size() const noexcept { return models.size(); }
 };
 
-/// Squared Euclidean distances of each of m queries to all n features: m rows of n. Exact search,
-/// as there is no other that finds the second neighbor of another place.
-/// Same bits on any processor.
+/// Squared Euclidean distances of each of m queries to all n features: m rows of n. The search is
+/// exhaustive, as no other finds the second neighbor at another position. Same bits on any
+/// processor.
 void compare_all(std::span<const float> queries, const FeaturePool& pool,
                  std::span<float> squared_distances);
 
-/// Match the features of one model's scan with the nearest of the pool.
+/// Matches the features of one model's scan with their nearest neighbors in the pool.
 ///
 /// queries      m features
 /// true_places  m positions on the model
-/// Returns for each 1 less the ratio of its distance to that of the nearest feature of another
-/// model or of a place out of reach, and whether the nearest is of this model and within reach of
-/// the true place. Deterministic for any number of threads.
-/// Source: the ratio of Lowe, IJCV 2004; right matches as in Guo et al., IJCV 2013.
+/// Returns for each query a score and whether the match is right. The score is 1 minus the ratio of
+/// the distance to the nearest feature and the distance to the nearest feature of another model or
+/// of a position out of reach. A match is right if the nearest feature belongs to this model and
+/// lies within reach of the true position. Deterministic for any number of threads.
+/// Sources: the ratio is that of Lowe, IJCV 2004; right matches as in Guo et al., IJCV 2013.
 std::vector<ScoredOutcome> match_with(const FeaturePool& pool, std::span<const float> queries,
                                       std::uint32_t model, PointsView true_places);
 

@@ -21,7 +21,7 @@ constexpr float kNormalRadius = 4;          // [resolutions]
 constexpr float kShareRadius = 2.5F;        // [resolutions]
 constexpr float kNormalClusterRad = 0.52F;  // as in engine/training/describe_model
 
-/// Normals at `queries` of planes fitted to the samples around them, on the side of their faces.
+/// Normals at `queries` of planes fitted to the surrounding samples, oriented like their faces.
 Normals fit_normals(PointsView samples, NormalsView face_normals, PointsView queries,
                     float radius) {
   const kernels::VoxelHash grid(samples, radius);

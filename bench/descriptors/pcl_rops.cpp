@@ -1,4 +1,4 @@
-// RoPS by PCL, as its package is built.
+// RoPS from PCL, as packaged.
 #include <pcl/features/rops_estimation.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
@@ -33,7 +33,7 @@ void describe_rops(const KeypointSurface& surface, std::span<float> features) {
     for (const std::uint32_t corner : {triangles.a[t], triangles.b[t], triangles.c[t]})
       faces[t].vertices.push_back(static_cast<pcl::index_t>(corner));
 
-  // One estimation has one thread, and a list of all triangles of its own.
+  // Each estimation uses one thread and a separate list of all triangles.
   constexpr std::size_t kKeypointsAtOnce = 250;
   engine::for_chunks(
       surface.keypoints.size(), kKeypointsAtOnce, [&](std::size_t first, std::size_t count) {

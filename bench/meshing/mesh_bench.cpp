@@ -16,7 +16,7 @@
 namespace trivet::bench {
 namespace {
 
-constexpr float kBridge = 0.1F;  // [m]; the ball stands farther from the walls
+constexpr float kBridge = 0.1F;  // [m]; the ball is farther from the walls
 
 float sphere_spacing(std::size_t n) {
   return std::sqrt(4 * std::numbers::pi_v<float> / static_cast<float>(n));
@@ -26,8 +26,8 @@ struct EdgeShares {
   double crowded = 0, twisted = 0;
 };
 
-/// Of the edges, the share that is in three triangles or more, and the share that two triangles
-/// have in one direction, so that they face to opposite sides.
+/// The fraction of edges in three or more triangles, and the fraction that two triangles traverse
+/// in the same direction, so that they face opposite sides.
 EdgeShares edge_shares(const Triangles& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::pair<int, int>> edges;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -63,7 +63,7 @@ const bool kGreedy = [] {
   return true;
 }();
 
-// From points alone: the noise is measured in the row.
+// Starts from points alone: the row includes the noise measurement.
 const bool kGrid = [] {
   auto* row = add_row("mesh_grid/ours", [](benchmark::State& state, const Scan& scan) {
     const std::size_t n = scan.points.size();

@@ -1,4 +1,4 @@
-/// Points of a known surface to mesh, and how well a mesh of them agrees with it.
+/// Points of a known surface for meshing, and measures of how well a mesh agrees with it.
 #pragma once
 
 #include <benchmark/benchmark.h>
@@ -9,21 +9,21 @@
 
 namespace trivet::bench {
 
-/// Random points all over a sphere of radius 1 with their normals, moved along these by noise of
-/// 0.2 spacings; the same on every call.
+/// Random points on a sphere of radius 1 with their normals, moved along these by noise of 0.2
+/// spacings; the same on every call.
 const OrientedPoints& noisy_sphere(std::int64_t num_points);
 
-/// Add counters: triangles a point; the share of the points that are used; the shares of the edges
-/// that are open, that are in more than two triangles, and whose two triangles face to opposite
-/// sides; and the root mean square distance of the triangles' centroids to the sphere, in spacings.
+/// Adds counters: triangles per point; the fraction of points used; the fractions of edges that are
+/// open, that are in more than two triangles, and whose two triangles face opposite sides; and the
+/// root mean square distance of the triangles' centroids from the sphere, in spacings.
 void report_sphere(benchmark::State& state, const OrientedPoints& sphere,
                    const Triangles& triangles);
 
-/// Add the counters of any mesh: all of the above but the distance.
+/// Adds the counters for any mesh: all of the above except the distance.
 void report_mesh(benchmark::State& state, std::size_t num_points, const Triangles& triangles);
 
-/// Of the scan: those counters, and the number of triangles that bridge the step from the ball to
-/// the walls.
+/// Adds these counters for the scan, and the number of triangles that bridge the step from the ball
+/// to the walls.
 void report_scan(benchmark::State& state, const Scan& scan, const Triangles& triangles);
 
 inline constexpr std::int64_t kMeshPoints[] = {4096, 32768, 262144};

@@ -1,4 +1,4 @@
-// Meshes by PCL, as its packages are built.
+// Meshes from PCL, as packaged.
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
 #include <pcl/search/kdtree.h>
@@ -25,9 +25,9 @@ Triangles as_triangles(const std::vector<pcl::Vertices>& polygons) {
   return triangles;
 }
 
-// Angles and counts as in its tutorial. The radius is what ours reaches; a mu of 2.5, of the
-// distance to the nearest point, leaves holes among random points, one of 30 leaves the radius
-// alone.
+// Angles and counts are those of PCL's tutorial. The radius equals Trivet's; a mu of 2.5, relative
+// to the distance of the nearest point, leaves holes among random points, one of 30 leaves only the
+// radius as limit.
 void greedy(benchmark::State& state, double mu) {
   const OrientedPoints& sphere = noisy_sphere(state.range(0));
   pcl::PointCloud<pcl::PointNormal>::Ptr cloud(new pcl::PointCloud<pcl::PointNormal>);

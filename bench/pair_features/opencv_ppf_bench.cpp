@@ -1,4 +1,4 @@
-// Point-pair features by OpenCV's surface_matching: training and matching at the same steps.
+// Point pair features from OpenCV's surface_matching: training and matching with the same steps.
 #include <array>
 #include <cmath>
 #include <map>
@@ -15,7 +15,7 @@ namespace {
 
 namespace ppf = cv::ppf_match_3d;
 
-constexpr double kDiameter = 0.2;  // of the parts, about
+constexpr double kDiameter = 0.2;  // approximate diameter of the parts
 
 double step_of(std::int64_t thousandths) { return static_cast<double>(thousandths) / 1000; }
 
@@ -29,9 +29,9 @@ cv::Mat as_opencv(const OrientedPoints& surface) {
   return rows;
 }
 
-using Detector = std::unique_ptr<ppf::PPF3DDetector>;  // copies of it free its memory twice
+using Detector = std::unique_ptr<ppf::PPF3DDetector>;  // copies would free its memory twice
 
-// Its defaults cluster by absolute numbers, whatever the unit, and find next to nothing.
+// OpenCV's defaults cluster by absolute distances, whatever the unit, and find almost nothing.
 Detector train(const cv::Mat& surface, double step) {
   auto detector = std::make_unique<ppf::PPF3DDetector>(step, step, 30);
   detector->setSearchParams(0.05 * kDiameter, 12 * std::numbers::pi / 180, true);
@@ -39,7 +39,7 @@ Detector train(const cv::Mat& surface, double step) {
   return detector;
 }
 
-// Of each part; the same on every call.
+// A detector for each part; the same on every call.
 const std::vector<Detector>& trained(std::int64_t thousandths) {
   static std::map<std::int64_t, std::vector<Detector>> detectors;
   const auto [entry, is_new] = detectors.try_emplace(thousandths);
@@ -63,15 +63,16 @@ Box box_of(const cv::Mat& points) {
   return box;
 }
 
-// The scene's step is relative to the mean side of its box; this one makes it the model's step.
+// OpenCV's scene step is relative to the mean side of the bounding box; this value makes it equal
+// to the model's step.
 double scene_step(const cv::Mat& scene, double step) {
   double sides = 0;
   for (const cv::Vec2f& side : box_of(scene)) sides += double{side[1] - side[0]};
   return step * kDiameter / (sides / 3);
 }
 
-// Its rotations are scaled, since the quaternions of a cluster are averaged without normalizing:
-// take the scale out.
+// OpenCV's rotations are scaled, since it averages the quaternions of a cluster without
+// normalizing: this removes the scale.
 std::optional<Pose> match(ppf::PPF3DDetector& detector, const cv::Mat& scene, double step) {
   std::vector<ppf::Pose3DPtr> found;
   detector.match(scene, found, 1.0 / 5, scene_step(scene, step));

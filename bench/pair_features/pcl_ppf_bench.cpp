@@ -1,4 +1,5 @@
-// Point-pair features by PCL: training and matching at the same steps, and its point-to-plane ICP.
+// Point pair features from PCL: training and matching with the same steps, and its point-to-plane
+// ICP.
 #include <pcl/console/print.h>
 #include <pcl/features/ppf.h>
 #include <pcl/filters/voxel_grid.h>
@@ -16,7 +17,7 @@ namespace {
 
 using PclCloud = pcl::PointCloud<pcl::PointNormal>;
 
-constexpr float kDiameter = 0.2F;  // of the parts, about
+constexpr float kDiameter = 0.2F;  // approximate diameter of the parts
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
 
 float step_of(std::int64_t thousandths) {
@@ -33,8 +34,7 @@ PclCloud::Ptr as_pcl(const OrientedPoints& surface) {
   return cloud;
 }
 
-// The filter averages normals: they get their length back, and are dropped where they canceled
-// out.
+// The filter averages normals: they are normalized again, and dropped where they cancel out.
 PclCloud::Ptr thinned(const PclCloud::Ptr& cloud, float step) {
   PclCloud averages;
   pcl::VoxelGrid<pcl::PointNormal> filter;
@@ -69,7 +69,7 @@ PclModel train(const PclCloud::Ptr& surface, float step) {
   return model;
 }
 
-// Of each part; the same on every call.
+// A model for each part; the same on every call.
 const std::vector<PclModel>& trained(std::int64_t thousandths) {
   static std::map<std::int64_t, std::vector<PclModel>> models;
   const auto [entry, is_new] = models.try_emplace(thousandths);
@@ -82,7 +82,7 @@ const std::vector<PclModel>& trained(std::int64_t thousandths) {
 
 Pose match(const PclModel& model, const PclCloud::Ptr& scene, float step) {
   pcl::PPFRegistration<pcl::PointNormal, pcl::PointNormal> registration;
-  registration.setSceneReferencePointSamplingRate(5);  // a fifth of the points, as Trivet
+  registration.setSceneReferencePointSamplingRate(5);  // a fifth of the points, as in Trivet
   registration.setPositionClusteringThreshold(0.1F * kDiameter);
   registration.setRotationClusteringThreshold(30 * kRadiansPerDegree);
   registration.setSearchMethod(model.search);

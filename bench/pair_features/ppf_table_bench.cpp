@@ -1,4 +1,4 @@
-// Pair tables of the same points: all ordered pairs, one thread.
+// Point pair feature tables of the same points: all ordered pairs, one thread.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kSizes[] = {256, 1024, 4096};
 constexpr std::int64_t kNaiveSizes[] = {256, 1024};
 
-/// The first points of the bracket's surface, and how their pairs are quantized.
+/// The first points of the bracket's surface, and the quantization of their pairs.
 struct TableInput {
   PointsView points;
   NormalsView normals;
@@ -70,7 +70,7 @@ NaiveTable naive_build(const TableInput& input) {
   return table;
 }
 
-// The share of the naive table's pairs that are not in the same cell; float and double may round a
+// The fraction of the naive table's pairs that are in another cell; float and double may round a
 // pair on a bin's border to different sides.
 double misplaced(const Table& table, const NaiveTable& naive) {
   using Place = std::pair<std::uint32_t, std::uint32_t>;

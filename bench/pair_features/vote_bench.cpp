@@ -1,5 +1,5 @@
-// Votes of every reference point of the scan for the bracket, one thread. Both take the same
-// look-ups and table.
+// Voting of every reference point of the scan for the bracket, one thread. Both implementations use
+// the same look-ups and table.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -54,7 +54,7 @@ const Sweep& sweep() {
   return all;
 }
 
-/// Votes of the highest peak by reference point, and of all.
+/// Votes of the highest peak for each reference point, and their total.
 struct Outcome {
   std::vector<std::uint32_t> best;
   std::uint64_t num_votes = 0;

@@ -1,6 +1,6 @@
-// Training, refinement and recognition as a whole, on all cores. The CPU time of a row is that of
-// all its threads: compare it with peers, which have one. The last part of a name is the sampling
-// step in thousandths of the diameter.
+// Training, refinement and recognition as a whole, on all cores. The CPU time of a row covers all
+// its threads: compare it with PCL and OpenCV, which use one. The last part of a name is the
+// sampling step in thousandths of the diameter.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -75,7 +75,7 @@ void recognize_ours(benchmark::State& state) {
   for (const Detection& detection : result.detections) {
     const auto part = std::ranges::find(parts(), detection.model, &Part::name) - parts().begin();
     std::optional<Pose>& best = poses[static_cast<std::size_t>(part)];
-    if (!best) best = detection.T_scene_model;  // detections come by falling score
+    if (!best) best = detection.T_scene_model;  // detections are sorted by descending score
   }
   report_poses(state, poses);
   state.counters["false"] = static_cast<double>(result.detections.size()) - state.counters["found"];

@@ -1,4 +1,4 @@
-// Tri-Spin-Images, step by step, on one thread: a row's items are keypoints, or queries.
+// Tri-Spin-Images, step by step, on one thread. The items of a row are keypoints or queries.
 #include <algorithm>
 #include <array>
 #include <flann/flann.hpp>
@@ -132,12 +132,12 @@ const auto* const kProject = add_row("project/ours", [](benchmark::State& state)
   return kNumKeypoints;
 });
 
-/// As many features as some models of a library have, and a scan's: projected images of all
+/// As many features as some models of a library have, and those of a scan: projected images of all
 /// vertices of the relief and of the noisy keypoints.
 struct Index {
   FeaturePool pool;
   std::vector<float> queries;
-  std::vector<std::uint32_t> nearest;  ///< exact
+  std::vector<std::uint32_t> nearest;  // /< exact nearest neighbors
 };
 
 const Index& features() {
@@ -166,7 +166,7 @@ const Index& features() {
   return index;
 }
 
-/// Add the counter recall: the share of the queries whose nearest feature was found.
+/// Adds the counter recall: the fraction of queries whose nearest feature was found.
 template <class Found>
 void report_recall(benchmark::State& state, const std::vector<Found>& found) {
   double right = 0;
@@ -180,7 +180,7 @@ flann::Matrix<float> as_flann(std::span<const float> vectors) {
   return {const_cast<float*>(vectors.data()), vectors.size() / d, d};  // only read
 }
 
-/// Vectors as codes with a stride, with a step that reaches as far as those of the index.
+/// Vectors as codes with a stride. The quantization step covers the same range as the index.
 Column<std::uint8_t> as_codes(std::span<const float> vectors) {
   const std::size_t d = features().pool.dimension;
   const float step = kernels::code_step_for(features().pool.features);
@@ -207,7 +207,7 @@ const auto* const kFlannBuild = add_row("index_build/flann", [](benchmark::State
   return features().pool.size();
 });
 
-/// A row for each number of lists that a query is looked for in.
+/// A row for each number of lists searched per query.
 const auto* const kQuery =
     add_row("index_query/ours", [](benchmark::State& state) {
       const std::size_t stride = kernels::code_stride(features().pool.dimension);
@@ -255,8 +255,8 @@ const auto* const kExact = add_row("index_query/exact", [](benchmark::State& sta
   return kNumKeypoints;
 });
 
-/// Supports, frames and images of all keypoints, the search structure included; areas and normals
-/// are there.
+/// Supports, frames and images of all keypoints, including the construction of the search
+/// structure; areas and normals are precomputed.
 auto* add_descriptor_row(const char* name, const char* descriptor) {
   return add_row(name, [descriptor](benchmark::State& state) {
     const auto& all = descriptors();

@@ -1,4 +1,4 @@
-// The spin image by PCL, as its package is built, on the points and normals that ours has.
+// The spin image from PCL, as packaged, on the same points and normals as Trivet's.
 #include <pcl/features/spin_image.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>

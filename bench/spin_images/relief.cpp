@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kSide = 150;
 
-/// Waves of any direction, from 8 to 60 vertices long.
+/// Waves in random directions, from 8 to 60 vertices long.
 Mesh make_relief() {
   const auto height = [](double x, double y) {
     double sum = 0;
@@ -44,7 +44,7 @@ Mesh make_relief() {
   return mesh;
 }
 
-/// The relief as it is or as a scan; vertices keep their numbers, and so do keypoints.
+/// The relief unchanged or as a scan; vertices keep their numbers, and so do keypoints.
 KeypointSurface make_surface(const Degradation& how, const Pose& T_scene_relief) {
   const Mesh mesh = make_relief();
   return sample_surface(degrade_mesh(mesh, how, 1, T_scene_relief, 5),

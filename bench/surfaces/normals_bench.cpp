@@ -10,7 +10,7 @@
 namespace trivet::bench {
 namespace {
 
-// Each row starts from points alone: the search for neighbors is part of it.
+// Each row starts from points alone and includes the neighbor search.
 const bool kGrid =
     add_rows("normals/ours_pixels_w3", [](benchmark::State& state, const Scan& scan) {
       Normals normals(scan.points.size());

@@ -1,4 +1,4 @@
-// The same stages by PCL, as its packages are built and with its defaults where it has any.
+// The same stages with PCL, as packaged, and with its defaults where it has any.
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/features/normal_3d.h>
 #include <pcl/filters/approximate_voxel_grid.h>
@@ -74,7 +74,8 @@ const bool kKdTree =
       state.counters["neighbors"] = num_neighbors / static_cast<double>(cloud->size());
     });
 
-// Neighbors from a k-d tree, as for any cloud, or from the pixels, which PCL prefers where it can.
+// Neighbors from a k-d tree, as for any cloud, or from the pixels, which PCL prefers where
+// possible.
 void radius_normals(benchmark::State& state, const Scan& scan, bool organized) {
   const PclCloud::Ptr cloud = as_pcl(scan);
   if (!organized) {

@@ -1,5 +1,5 @@
-// Hypotheses held against the scan, one after the other on one core: by samples before refinement,
-// by rays after it. Items are hypotheses.
+// Verification of hypotheses against the scan, one after the other on one core: by samples before
+// refinement, by rays after it. Items are hypotheses.
 #include <benchmark/benchmark.h>
 
 #include "kernels/verification/examine_pose.hpp"
@@ -22,7 +22,7 @@ kernels::VerifyOptions options() {
   return options;
 }
 
-// The share of agreeing samples or pixels at poses 5 degrees and 0.04 diameters off.
+// The fraction of agreeing samples or pixels at poses 5 degrees and 0.04 diameters off.
 void report(benchmark::State& state, double agreeing) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(rough_poses().size()));
   state.counters["agreeing"] = agreeing;
