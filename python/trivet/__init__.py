@@ -7,10 +7,10 @@
     for found in library.recognize(points):       # (n, 3), or a depth image with its camera
         print(found.model, found.score, found.pose)
 
-Lengths are in the unit of the library, "m" or "mm", unless a scene says its own. Poses are (4, 4)
-matrices that take points of the model to points of the scene. Options are those of the command line
-with underscores: `--min-score 0.7` is `min_score=0.7`; `trivet.options("recognize")` lists them.
-What goes wrong is raised as one of `trivet.errors`.
+Lengths are in the unit of the library, "m" or "mm", unless a scene states its unit. Poses are
+(4, 4) matrices that transform points of the model to points of the scene. Options are those of the
+command line with underscores: `--min-score 0.7` is `min_score=0.7`; `trivet.options("recognize")`
+lists them. Errors are raised as exceptions of `trivet.errors`.
 """
 
 from ._geometry import Mesh

@@ -1,4 +1,4 @@
-"""What callers hand over as geometry: arrays, and objects of libraries that hold arrays."""
+"""Geometry passed by callers: arrays, and objects of other libraries that contain arrays."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PathLike = Union[str, "os.PathLike[str]"]
 
 @dataclass(frozen=True)
 class Mesh:
-    """A surface, or a cloud where there are no triangles.
+    """A surface, or a point cloud if there are no triangles.
 
     vertices:  (n, 3)
     triangles: (m, 3) indices of vertices, or None
@@ -45,7 +45,10 @@ def _array(value: Any) -> Optional[np.ndarray]:
 
 
 def _points_of(thing: Any) -> np.ndarray:
-    """An array, of a structured one its fields x, y, z. Raises UsageError where these are not there."""
+    """The points as an array; for a structured array, its fields x, y, z.
+
+    Raises UsageError if these fields are missing.
+    """
     array = np.asarray(thing)
     names = array.dtype.names
     if names is None:
@@ -59,9 +62,12 @@ def _points_of(thing: Any) -> np.ndarray:
 
 
 def as_mesh(thing: Any) -> Mesh:
-    """A Mesh of: a Mesh; an array (n, 3), or a structured one with the fields x, y, z; a pair
-    (vertices, triangles); a mesh or cloud of trimesh (`vertices`, `faces`) or Open3D (`vertices`,
-    `triangles`; `points`, `normals`)."""
+    """Converts to a Mesh.
+
+    Accepts a Mesh, an array (n, 3), a structured array with the fields x, y, z, a pair (vertices,
+    triangles), or a mesh or cloud of trimesh (`vertices`, `faces`) or Open3D (`vertices`,
+    `triangles`; `points`, `normals`).
+    """
     if isinstance(thing, Mesh):
         return thing
     if isinstance(thing, tuple) and len(thing) == 2:

@@ -1,4 +1,4 @@
-"""Data as the BOP toolkit keeps it: results, and the truth of scenes."""
+"""Data in the format of the BOP toolkit: results, and the ground truth of scenes."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ def results_of(
     object_ids: Mapping[str, int],
     unit: str = "m",
 ) -> list[dict[str, Any]]:
-    """What `inout.save_bop_results` writes: a dictionary a detection, with R (3, 3) and t (3, 1) in
-    millimeters.
+    """The input of `inout.save_bop_results`: one dictionary per detection, with R (3, 3) and
+    t (3, 1) in millimeters.
 
-    object_ids: BOP's, by the names of models; others are left out
-    unit:       "m" or "mm" of the result's poses
+    object_ids: BOP ids by model name; detections of other models are omitted
+    unit:       unit of the result's poses, "m" or "mm"
     """
     scale = {"m": 1000.0, "mm": 1.0}[unit]
     return [{"scene_id": scene_id, "im_id": im_id, "obj_id": object_ids[one.model],
@@ -33,14 +33,14 @@ def results_of(
 def truth_of(
     scene: ScannedScene, object_ids: Mapping[str, int], unit: str = "m"
 ) -> list[dict[str, Any]]:
-    """What `inout.save_scene_gt` writes for an image."""
+    """The input of `inout.save_scene_gt` for an image."""
     scale = {"m": 1000.0, "mm": 1.0}[unit]
     return [{"obj_id": object_ids[one.model], "cam_R_m2c": one.pose[:3, :3],
              "cam_t_m2c": scale * one.pose[:3, 3:]} for one in scene.truth]
 
 
 def camera_of(entry: Mapping[str, Any], unit: str = "m") -> dict[str, Any]:
-    """The keywords of Library.recognize for a depth image and its entry of scene_camera.json.
+    """The keyword arguments of Library.recognize for a depth image and its scene_camera.json entry.
 
     `library.recognize(depth, **bop.camera_of(scene_camera[im_id]))`
     """

@@ -1,25 +1,27 @@
-"""What goes wrong, by kind. Every message names the place, what was expected, what was found and
-what to do."""
+"""Exceptions by kind of error.
+
+Every message names the location, the expected and the found value, and a remedy.
+"""
 
 
 class Error(Exception):
-    """Of any kind."""
+    """Base class of all errors."""
 
 
 class UsageError(Error, ValueError):
-    """An option or an argument is wrong."""
+    """An option or an argument is invalid."""
 
 
 class DataError(Error, ValueError):
-    """A file or an array breaks its format, or cannot be used."""
+    """A file or an array violates its format, or cannot be used."""
 
 
 class MissingInputError(Error, FileNotFoundError):
-    """A file that is named does not exist."""
+    """A specified file does not exist."""
 
 
 class CannotCreateError(Error, OSError):
-    """A file or a folder cannot be made."""
+    """A file or a folder cannot be created."""
 
 
 class InputOutputError(Error, OSError):
@@ -27,12 +29,12 @@ class InputOutputError(Error, OSError):
 
 
 class ChangedError(InputOutputError):
-    """Others changed a file while it was used: open it anew."""
+    """Another process changed a file during its use: open it again."""
 
 
 class Stopped(Error):
-    """It was stopped before its end."""
+    """The operation was stopped before its end."""
 
 
 class InternalError(Error, RuntimeError):
-    """A fault of the program."""
+    """A defect of the program."""

@@ -1,4 +1,4 @@
-"""Results held against the truth."""
+"""Comparison of results with the ground truth."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from .training import Progress
 
 
 class Evaluation:
-    """How many of the objects were found, and what else was.
+    """The counts of right and false detections, and the rates derived from them.
 
-    instances, right, false_positives: numbers; recall, precision: 0..1; document: all that
-    `trivet evaluate --json` tells, with every detection of every scene
+    instances, right, false_positives: counts; recall, precision: 0..1; document: the complete
+    output of `trivet evaluate --json`, with every detection of every scene
     """
 
     def __init__(self, document: dict[str, Any]) -> None:
@@ -40,8 +40,11 @@ def evaluate(
     progress: Optional[Progress] = None,
     **options: Any,
 ) -> Evaluation:
-    """Recognize the scenes of a manifest, or of a BOP data set, and hold the detections against its
-    truth. `options` and `preset` are those of Library.recognize; progress is called with (done,
-    total, name of the scene). Errors: UsageError, DataError, MissingInputError."""
+    """Recognizes the scenes of a manifest or BOP data set and compares the detections with its
+    ground truth.
+
+    `options` and `preset` are those of Library.recognize; progress is called with (done, total,
+    name of the scene). Errors: UsageError, DataError, MissingInputError.
+    """
     return Evaluation(json.loads(
         _trivet._evaluate(library, os.fsencode(manifest), preset, progress, options)))

@@ -14,20 +14,20 @@ from ._trivet import Stopper
 from .results import Result
 from .scenes import as_scene
 
-_IN_FLIGHT = 2  # one scene is read while another is recognized: more would only cost latency
+_IN_FLIGHT = 2  # one scene is read while another is recognized: more would only add latency
 
 
 class Library(_trivet.Library):
-    """A library file, mapped: it opens at once, whatever its size.
+    """A mapped library file, which opens immediately, whatever its size.
 
-    It reads as a mapping from names to models: `len(library)`, `library["bracket"]`, `"bracket" in
-    library`, `for name in library`. Any number of threads may use one; it can be pickled, and is
-    then opened again.
+    It is a mapping from names to models: `len(library)`, `library["bracket"]`, `"bracket" in
+    library`, `for name in library`. Any number of threads may share it. Unpickling a library opens
+    its file again.
 
-    file:        made by `trivet train` or trivet.train
-    calibration: score as `trivet calibrate` adapted it to a cell, from this file
-    memory_mb:   what may stay in memory of what scenes needed
-    verify:      check all of it first; else each model is checked when it is first used
+    file:        library made by `trivet train` or trivet.train
+    calibration: file with the score that `trivet calibrate` adapted to a cell
+    memory_mb:   limit of the data cached from earlier scenes
+    verify:      check the whole file first; otherwise each model is checked at its first use
     Errors: MissingInputError, DataError, InputOutputError.
     """
 
@@ -47,7 +47,7 @@ class Library(_trivet.Library):
 
     @property
     def parameters(self) -> dict[str, Any]:
-        """What it was trained with."""
+        """The training parameters."""
         return json.loads(self._parameters)
 
     def recognize(
@@ -64,22 +64,23 @@ class Library(_trivet.Library):
         stopper: Optional[Stopper] = None,
         **options: Any,
     ) -> Result:
-        """Find the models of the library in a scene. Other Python threads run meanwhile; Ctrl-C
-        stops it.
+        """Finds the models of the library in a scene.
+
+        Other Python threads run meanwhile; Ctrl-C stops it.
 
         scene:          points (n, 3), an organized cloud (height, width, 3), a depth image (height,
                         width) with its camera, a file, a Scene, a Mesh, or a cloud or mesh of
                         trimesh or Open3D
         camera:         (fx, fy, cx, cy) or a (3, 3) matrix [pixel], OpenCV's axes; a camera file, or
-                        a dictionary as it holds: with "distortion", "depth", "width", "height"
-        depth_scale:    what a depth is multiplied by to be a length (0.001: millimeters to meters)
-        viewpoint:      where the sensor stood, 3 numbers; None: as the file says, else the origin
-        closed_surface: a whole surface that no sensor saw
-        unit:           "m" or "mm" of the scene and the poses; None: the library's
+                        a dictionary of its form, with "distortion", "depth", "width", "height"
+        depth_scale:    factor from depth values to lengths (0.001: millimeters to meters)
+        viewpoint:      position of the sensor, 3 numbers; None: from the file, else the origin
+        closed_surface: the scene is a complete surface, not a view from one sensor
+        unit:           unit of the scene and the poses, "m" or "mm"; None: the library's
         preset:         "fast", "balanced" or "accurate"
-        stopper:        stops it from another thread
-        options:        of `trivet recognize`, as min_score=0.7 (trivet.options("recognize"));
-                        expected=[(model, pose), ...] are tested before any search
+        stopper:        stops the call from another thread
+        options:        those of `trivet recognize`: min_score=0.7 (trivet.options("recognize"));
+                        poses in expected=[(model, pose), ...] are tested before any search
         Errors: UsageError, DataError, Stopped.
         """
         made = as_scene(scene, camera=camera, depth_scale=depth_scale, viewpoint=viewpoint,
@@ -89,8 +90,11 @@ class Library(_trivet.Library):
     def recognize_all(
         self, scenes: Iterable[Any], *, stopper: Optional[Stopper] = None, **how: Any
     ) -> Iterator[Result]:
-        """The results of many scenes, or of a stream without end, in their order: while one is
-        recognized, the next one is taken and read. `how`: as of `recognize`."""
+        """Yields the results of many scenes, or of an endless stream, in order.
+
+        While one scene is recognized, the next is fetched and read. `how`: keyword arguments of
+        `recognize`.
+        """
         stop = stopper or Stopper()
         with ThreadPoolExecutor(_IN_FLIGHT, thread_name_prefix="trivet") as threads:
             running: deque[Future[Result]] = deque()
@@ -101,6 +105,6 @@ class Library(_trivet.Library):
                         yield running.popleft().result()
                 while running:
                     yield running.popleft().result()
-            finally:  # left early: what is not wanted any more ends soon
+            finally:  # the caller left early: the remaining recognitions stop
                 if running:
                     stop.stop()

@@ -1,4 +1,4 @@
-"""What can be set."""
+"""The available options."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from .errors import UsageError
 
 
 def options(of: str) -> list[dict[str, Any]]:
-    """The options of "recognize", "train" or "scan": for each its name, group, help, unit, range,
-    choices and default (None: chosen by the program, or open)."""
+    """The options of "recognize", "train" or "scan".
+
+    Each has a name, group, help, unit, range, choices and default (None: chosen by the program, or
+    unlimited).
+    """
     lists = {
         "recognize": _trivet._recognize_options,
         "train": _trivet._train_options,

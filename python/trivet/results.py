@@ -1,4 +1,4 @@
-"""What recognition found in a scene."""
+"""The results of recognition in a scene."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from ._trivet import Detection, RejectedPose
 
 
 class Result:
-    """The detections of a scene by falling score. It reads as their sequence: len, iteration,
-    indexing."""
+    """The detections of a scene by descending score.
+
+    It is a sequence of detections: len, iteration, indexing.
+    """
 
     def __init__(self, recognized: _trivet._Recognized) -> None:
         self._recognized = recognized
@@ -38,15 +40,15 @@ class Result:
         return f"<trivet.Result of {self.name}: {found or 'nothing found'}>"
 
     def to_dict(self) -> dict[str, Any]:
-        """The scene as `trivet recognize --json` tells it."""
+        """The scene in the format of `trivet recognize --json`."""
         return json.loads(self._recognized.json())
 
     def picture(self) -> np.ndarray:
-        """The scan as its sensor saw it with the detections drawn in: (height, width, 3) uint8."""
+        """The scan from the sensor's viewpoint with drawn detections: (height, width, 3) uint8."""
         return self._recognized.draw()[0]
 
     def _repr_html_(self) -> str:
-        """For notebooks: the picture, and a table below it."""
+        """Representation in notebooks: the picture, and a table below it."""
         try:
             _, png, colors = self._recognized.draw()
         except Exception as error:  # a scan too small to be drawn still has a table

@@ -1,7 +1,7 @@
-"""Messages of ROS 2 as dictionaries, as rosidl and rosbridge lay them out: no ROS is needed.
+"""ROS 2 messages as dictionaries in the layout of rosidl and rosbridge; ROS is not required.
 
-`rosidl_runtime_py.message_to_ordereddict` makes such a dictionary of a message, and
-`rosidl_runtime_py.set_message_fields` sets a message by one.
+`rosidl_runtime_py.message_to_ordereddict` converts a message to such a dictionary, and
+`rosidl_runtime_py.set_message_fields` fills a message from one.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ _TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"
 
 
 def points_of(cloud: Mapping[str, Any]) -> np.ndarray:
-    """The points of a sensor_msgs/PointCloud2: (n, 3), or (height, width, 3) of an organized cloud;
-    NaN where nothing was measured. The message's bytes are not copied where x, y and z are floats
-    side by side. Errors: DataError."""
+    """The points of a sensor_msgs/PointCloud2: (n, 3), or (height, width, 3) if it is organized.
+
+    Points without a measurement are NaN. The message's bytes are not copied if x, y and z are
+    contiguous little-endian floats. Errors: DataError.
+    """
     fields = {field["name"]: field for field in cloud["fields"]}
     missing = [axis for axis in "xyz" if axis not in fields]
     if missing:
@@ -65,8 +67,10 @@ def pose_of(matrix: np.ndarray) -> dict[str, Any]:
 
 
 def quaternion_of(matrix: np.ndarray) -> tuple[float, float, float, float]:
-    """The unit quaternion x, y, z, w of a pose's rotation, with w >= 0 (Shepperd, 1978: by the
-    largest of its four elements)."""
+    """The unit quaternion x, y, z, w of a pose's rotation, with w >= 0.
+
+    Source: Shepperd, 1978, which starts from the largest of the four elements.
+    """
     r = np.asarray(matrix, float)[:3, :3]
     trace = np.trace(r)
     largest = int(np.argmax([r[0, 0], r[1, 1], r[2, 2], trace]))
@@ -86,9 +90,12 @@ def quaternion_of(matrix: np.ndarray) -> tuple[float, float, float, float]:
 def detection_of(
     detection: Detection, library: Library, header: Optional[Mapping[str, Any]] = None
 ) -> dict[str, Any]:
-    """A vision_msgs/Detection3D (version 4). The box is that of the model, aligned with its axes;
-    other poses that the scan cannot tell from the first follow it as further results, with the score
-    shared among them."""
+    """A vision_msgs/Detection3D (version 4).
+
+    The box is the model's bounding box, aligned with the model's axes. Alternative poses that the
+    scan cannot distinguish from the first follow as further results, and the score is divided among
+    all poses.
+    """
     vertices = library[detection.model].vertices
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     center = detection.pose.copy()
@@ -110,7 +117,10 @@ def detection_of(
 def detections_of(
     result: Result, library: Library, header: Optional[Mapping[str, Any]] = None
 ) -> dict[str, Any]:
-    """A vision_msgs/Detection3DArray. header: std_msgs/Header of the scan's message. Lengths are in
-    meters, as REP 103 asks, where the library's and the scene's are."""
+    """A vision_msgs/Detection3DArray.
+
+    header: std_msgs/Header of the scan's message. Lengths are in meters, as REP 103 requires, if
+    those of the library and the scene are.
+    """
     return {"header": dict(header or {}),
             "detections": [detection_of(one, library, header) for one in result]}

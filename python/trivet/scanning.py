@@ -1,4 +1,4 @@
-"""The virtual depth sensor: scenes of which the truth is known exactly."""
+"""The virtual depth sensor: scenes with exactly known ground truth."""
 
 from __future__ import annotations
 
@@ -16,8 +16,11 @@ from .training import Models, arguments_of
 
 @dataclass(frozen=True)
 class Truth:
-    """An object of a scene. visible_fraction, occlusion, clutter: 0..1; ignore: too little of it is
-    visible to be asked for."""
+    """An object of a scene.
+
+    visible_fraction, occlusion, clutter: 0..1; ignore: too little of it is visible to require its
+    detection.
+    """
 
     model: str
     pose: np.ndarray  # (4, 4)
@@ -29,9 +32,12 @@ class Truth:
 
 @dataclass(frozen=True)
 class ScannedScene:
-    """depth: (height, width) uint16, 0: not measured; camera: (fx, fy, cx, cy) [pixel]; depth times
+    """A simulated depth image with its camera and ground truth.
+
+    depth: (height, width) uint16, 0: not measured; camera: (fx, fy, cx, cy) [pixel]; depth times
     depth_scale is a length. `library.recognize(scene.depth, camera=scene.camera,
-    depth_scale=scene.depth_scale)` looks into it."""
+    depth_scale=scene.depth_scale)` recognizes it.
+    """
 
     depth: np.ndarray
     camera: tuple[float, float, float, float]
@@ -40,15 +46,17 @@ class ScannedScene:
 
 
 class VirtualScanner:
-    """Piles of models to be scanned, one scene after the other: len, indexing, iteration. A scene is
-    the same whichever others are scanned. trivet.scan makes it."""
+    """A sequence of scenes with piles of models: len, indexing, iteration.
+
+    A scene does not depend on which others are scanned. trivet.scan creates a scanner.
+    """
 
     def __init__(self, scanner: _trivet._Scanner) -> None:
         self._scanner = scanner
 
     @property
     def models(self) -> dict[str, Mesh]:
-        """What is scanned, by name: as trivet.train takes it."""
+        """The scanned models by name, in a form that trivet.train accepts."""
         return {name: Mesh(vertices, triangles)
                 for name, vertices, triangles in self._scanner.models}
 
@@ -76,16 +84,16 @@ def scan(
     metal: bool = False,
     **options: Any,
 ) -> VirtualScanner:
-    """Scan piles of models with a virtual depth sensor, without any file:
+    """Scans piles of models with a virtual depth sensor, without any file:
     `for scene in trivet.scan(parts=5, scenes=3): ...`.
 
-    models:   as of trivet.train; None where there are parts
-    parts:    so many machine parts are made by the seed, beside the models or alone
-    families: only parts of these families
-    unit:     "m" (also None) or "mm" of the models and the truth
-    diameter: scale every model of a file to it; 0: as they are
+    models:   models as for trivet.train; may be None if parts is set
+    parts:    number of machine parts generated from the seed, in addition to the models or alone
+    families: generate only parts of these families
+    unit:     unit of the models and the truth, "m" (also None) or "mm"
+    diameter: scale every model from a file to this diameter; 0: unchanged
     metal:    the models are of bright metal
-    options:  of `trivet scan`, as scenes=4, sensor="stereo" (trivet.options("scan"))
+    options:  those of `trivet scan`, e.g. scenes=4, sensor="stereo" (trivet.options("scan"))
     Errors: UsageError, DataError.
     """
     with tempfile.TemporaryDirectory(prefix="trivet-") as folder:

@@ -1,4 +1,4 @@
-"""Scenes out of arrays and files, and surfaces through their points."""
+"""Scenes from arrays and files, and surfaces through their points."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ def as_scene(
     unit: Optional[str] = None,
     name: str = "array",
 ) -> Scene:
-    """A Scene of a Scene, a file, a depth image (where there is a camera), points (n, 3) or
-    (height, width, 3), a Mesh, or an object of trimesh or Open3D."""
+    """Converts to a Scene.
+
+    Accepts a Scene, a file, a depth image (with a camera), points (n, 3) or (height, width, 3), a
+    Mesh, or an object of trimesh or Open3D.
+    """
     if isinstance(thing, Scene):
         return thing
     if is_path(thing):
@@ -44,12 +47,12 @@ def mesh(
     viewpoint: Optional[Sequence[float]] = None,
     **how: Any,
 ) -> Mesh:
-    """Lay a surface through the points of a scan, as `trivet mesh` does.
+    """Triangulates the points of a scan, as `trivet mesh` does.
 
-    scene:     whatever Library.recognize takes, with the same keywords
-    method:    "grid" (pixels side by side), "greedy" (points in any order) or "faces" (as they
-               came); None: the first one that the scan has what it takes for
-    viewpoint: where the sensor stood; triangles are counter-clockwise seen from there
+    scene:     any scene that Library.recognize accepts, with the same keywords
+    method:    "grid" (adjacent pixels), "greedy" (unorganized points) or "faces" (unchanged); None:
+               the first one applicable to the scan
+    viewpoint: position of the sensor; triangles are counter-clockwise seen from there
     Errors: UsageError, DataError.
     """
     made = as_scene(scene, viewpoint=viewpoint, **how)._mesh(method, viewpoint)
@@ -60,7 +63,9 @@ def mesh(
 
 
 def write_ply(file: PathLike, geometry: Any) -> None:
-    """Write points or a mesh as binary PLY; the file appears whole or not at all.
-    Errors: CannotCreateError, InputOutputError, DataError."""
+    """Writes points or a mesh as binary PLY; the file appears complete or not at all.
+
+    Errors: CannotCreateError, InputOutputError, DataError.
+    """
     made = as_mesh(geometry)
     _trivet._write_mesh(os.fsencode(file), made.vertices, made.triangles, made.normals)

@@ -19,11 +19,11 @@ Models = Union[PathLike, Iterable[PathLike], Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class TrainReport:
-    """What became of the models.
+    """The outcome of training.
 
-    models: for each its name, origin ("trained", "resumed", "kept"), counts, diameter, symmetry,
-            seconds and warnings
-    faults: name and reason of models that were left out (keep_going)
+    models: for each model its name, origin ("trained", "resumed", "kept"), counts, diameter,
+            symmetry, seconds and warnings
+    faults: name and reason for each omitted model (keep_going)
     """
 
     library: str
@@ -40,7 +40,7 @@ class TrainReport:
 
 
 def arguments_of(models: Models, folder: Path) -> list[bytes]:
-    """As the command line names them; arrays become files of the folder."""
+    """The models as arguments of the command line; arrays are written to files in the folder."""
     if isinstance(models, (str, os.PathLike)):
         return [os.fsencode(models)]
     if not isinstance(models, Mapping):
@@ -66,19 +66,20 @@ def train(
     progress: Optional[Progress] = None,
     **options: Any,
 ) -> TrainReport:
-    """Bring a library up to date with models: those that are unchanged are taken over, the others
-    trained; the file changes as a whole at the end. Ctrl-C stops it, and the same call goes on.
+    """Updates a library with models: unchanged models are kept, the others are trained.
+
+    The file is replaced as a whole at the end. Ctrl-C stops training, and the same call resumes it.
 
     models:     {name: file, Mesh, (vertices, triangles), points (n, 3), or a mesh of trimesh or
                 Open3D}, or files, folders, manifests and BOP data sets
     output:     library file
-    unit:       "m" (also None) or "mm" of the models; manifests name their own
-    prune:      models of the file that are not named go; else they stay
-    keep_going: leave out models that cannot be trained; else nothing is written
+    unit:       unit of the models, "m" (also None) or "mm"; manifests state their unit
+    prune:      remove models of the file that are not in `models`; otherwise they stay
+    keep_going: omit models that cannot be trained; otherwise nothing is written
     preset:     "fast", "balanced" or "accurate"
-    progress:   is called with (done, total, name of the model), from any thread
-    options:    of `trivet train`, as relative_step=0.03 (trivet.options("train"))
-    Errors: UsageError, DataError (of all models together), MissingInputError, CannotCreateError,
+    progress:   called with (done, total, name of the model), from any thread
+    options:    those of `trivet train`, e.g. relative_step=0.03 (trivet.options("train"))
+    Errors: UsageError, DataError (covers all models), MissingInputError, CannotCreateError,
     InputOutputError.
     """
     with tempfile.TemporaryDirectory(prefix="trivet-") as folder:
