@@ -6,11 +6,10 @@ import { lengthWords, scoreWords } from "./words.js";
 const fill = (sentence, values) => sentence.replace(/\{(\w+)\}/g, (_, name) => values[name]);
 
 /**
- * What to check when no model was found. `trivet recognize` says the same, in the words of
- * advice.json.
+ * Advice for a scan without detections. `trivet recognize` gives the same advice, from advice.json.
  *
- * positions  of the scan's points, or null; unit  of the scan
- * library    { unit, models }; rejected  poses, best first
+ * positions  points of the scan, or null; unit  unit of the scan
+ * library    { unit, models }; rejected  rejected poses, best first
  */
 export function adviceOnNothing({ positions, unit, library, rejected, minScore, isDepth }) {
   const diameters = library.models.map((model) => model.diameter);

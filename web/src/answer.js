@@ -3,10 +3,10 @@ import { byId, element, terms } from "./dom.js";
 import { downloadsText } from "./download.js";
 
 /**
- * Who answered, and the answer itself to copy or download.
+ * Shows which service answered, and offers the response to copy or download.
  *
- * text, answer  as it came, and parsed
- * scanName      gives the file its name
+ * text, answer  the response as received, and parsed
+ * scanName      the base of the file name
  */
 export function showAnswer({ text, answer }, scanName) {
   byId("answer").replaceChildren(

@@ -1,10 +1,10 @@
 /**
- * Colors that the common forms of color blindness keep apart.
- * Source: Okabe, Ito, Color Universal Design, 2008; those that stand out from a gray scan first.
+ * Colors that remain distinct with the common forms of color blindness, those with most contrast to
+ * a gray scan first. Source: Okabe, Ito, Color Universal Design, 2008.
  */
 const kHues = ["#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#d55e00", "#0072b2", "#f0e442"];
 
-/** Of instances of one model beside each other: the hue itself, lighter, darker. */
+/** Tones for adjacent instances of one model: the hue itself, lighter, darker. */
 const kTones = [null, ["#ffffff", 0.3], ["#000000", 0.25]];
 
 function mix(color, other, share) {

@@ -9,9 +9,9 @@ const kWriters = {
 };
 
 /**
- * Show what asks the same without the page.
+ * Shows commands that make the same request without the page.
  *
- * parameters  of the request; described  all of them, by name
+ * parameters  of the request; described  descriptions of all parameters by name
  * library     file name
  */
 export function showCommands(scan, parameters, library, described) {

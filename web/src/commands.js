@@ -1,4 +1,4 @@
-/** The request as others would write it: as a command, for curl, as a call in Python. */
+/** The request in other forms: as a command, for curl, as a call in Python. */
 import { kCameraKeys, kImageParameters } from "./scan.js";
 import { kindOf } from "./options/parameter.js";
 
@@ -14,11 +14,13 @@ const kContentTypes = {
 };
 const kServiceOnly = ["format", "rejected"];
 
-/** A word of a POSIX shell. */
+/** A text quoted as one word of a POSIX shell. */
 export const quoted = (text) =>
   /^[\w@%+=:,./-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`;
 
-/** Of a file, not to be taken for an option or for standard input; kept scans go without ending. */
+/**
+ * A file name that is not parsed as an option or as standard input; kept scans have no extension.
+ */
 function fileName(name, format = "") {
   const ends = !format || name.toLowerCase().includes(`.${format}`);
   return `${name.startsWith("-") ? "./" : ""}${name}${ends ? "" : `.${format}`}`;
@@ -26,7 +28,7 @@ function fileName(name, format = "") {
 
 /**
  * scan        { name, format }
- * parameters  as they were sent
+ * parameters  as sent
  * origin      of the service
  */
 export function curlCommand(scan, parameters, origin) {
@@ -39,7 +41,7 @@ export function curlCommand(scan, parameters, origin) {
   ].join(" \\\n  ");
 }
 
-/** The camera of a request as a camera file has it. */
+/** The camera of a request in the form of a camera file. */
 function cameraOf(parameters) {
   const numbersOf = (name) => parameters.get(name)?.split(",").map((number) => Number(number || 1));
   const numbers = numbersOf("camera");
@@ -51,11 +53,11 @@ function cameraOf(parameters) {
   return camera;
 }
 
-/** The parameters that are no matter of the service alone: [name, value]. */
+/** The parameters that do not concern the service alone: [name, value]. */
 const elsewhere = (parameters) =>
   [...parameters].filter(([name]) => !kServiceOnly.includes(name));
 
-/** library  file name; described  parameters by name */
+/** library  file name; described  descriptions of the parameters by name */
 export function trivetCommand(scan, parameters, library, described) {
   const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name, scan.format))}`];
   let before = "";

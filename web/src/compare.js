@@ -1,4 +1,4 @@
-/** Which detections of two answers are the same, by the measure and rule of `trivet compare`. */
+/** Matches the detections of two answers by the distance and rule of `trivet compare`. */
 
 const kMaxTranslation = 0.1; // of the diameter
 const kMaxRotationDeg = 12;
@@ -10,7 +10,7 @@ const kIdentity = [
   [0, 0, 0, 1],
 ];
 
-/** Of matrices of four rows. */
+/** The product of two matrices with four rows. */
 const product = (a, b) =>
   a.map((row) => [0, 1, 2, 3].map((k) => row.reduce((sum, x, i) => sum + x * b[i][k], 0)));
 const moved = (pose, [x, y, z]) =>
@@ -19,11 +19,11 @@ const turned = (pose, [x, y, z]) =>
   pose.slice(0, 3).map((row) => row[0] * x + row[1] * y + row[2] * z);
 const distance = (a, b) => Math.hypot(...a.map((x, axis) => x - b[axis]));
 
-/** Between unit vectors [radians]; exact for small ones, too. */
+/** The angle between unit vectors [radians]; also exact for small angles. */
 const angleBetween = (a, b) =>
   2 * Math.atan2(distance(a, b), Math.hypot(...a.map((x, axis) => x + b[axis])));
 
-/** Of the rotation that takes one pose to the other [radians]. */
+/** The angle of the rotation from one pose to the other [radians]. */
 function turnBetween(a, b) {
   let squares = 0; // of the difference of both matrices: 8 sin² of half the angle
   for (let i = 0; i < 3; ++i) for (let j = 0; j < 3; ++j) squares += (a[i][j] - b[i][j]) ** 2;
@@ -31,11 +31,11 @@ function turnBetween(a, b) {
 }
 
 /**
- * How far apart two poses of a model are: both errors as shares of their limits, added, at best over
- * the symmetries; null: they are not alike.
+ * The distance between two poses of a model: the sum of both errors as fractions of their limits,
+ * minimized over the symmetries; null: the poses differ.
  *
- * model  { diameter, middle: of its bounding box, symmetries: poses beside the identity,
- *   axis: direction or null }, in the unit of the poses
+ * model  { diameter, middle: of its bounding box, symmetries: poses besides the identity, axis:
+ *        direction or null }, in the unit of the poses
  */
 export function poseDistance(a, b, model) {
   let best = null;
@@ -53,11 +53,11 @@ export function poseDistance(a, b, model) {
 }
 
 /**
- * Pairs of detections of one model whose poses are alike, the nearest first, each at most once.
+ * Pairs of detections of one model with similar poses, nearest first, each detection at most once.
  *
  * first, second  [{ model, T_scene_model }]
- * modelOf        gives by name what poseDistance needs, or nothing: then no two poses are alike
- * Returns [[index in first, index in second]], by the first.
+ * modelOf        returns by name the model for poseDistance, or undefined: then no two poses match
+ * Returns [[index in first, index in second]], sorted by the first.
  */
 export function matchDetections(first, second, modelOf) {
   const alike = [];
@@ -78,10 +78,10 @@ export function matchDetections(first, second, modelOf) {
 }
 
 /**
- * Scans that two runs have answers for, side by side.
+ * Compares two runs on the scans that both have answers for.
  *
  * scans  [{ name, a, b: detections, secondsA, secondsB: or null }]
- * Returns { rows: [{ name, both, onlyA, onlyB, secondsA, secondsB }], total: the sums of them }.
+ * Returns { rows: [{ name, both, onlyA, onlyB, secondsA, secondsB }], total: their sums }.
  */
 export function compareRuns(scans, modelOf) {
   const rows = scans.map(({ name, a, b, secondsA, secondsB }) => {
@@ -95,16 +95,16 @@ export function compareRuns(scans, modelOf) {
 }
 
 /**
- * The chance of two runs differing so much or more where both are equally good: McNemar's exact test
- * in both directions, as `trivet compare` and `trivet study` have it.
+ * The probability of a difference this large or larger between two equally good runs: McNemar's
+ * exact two-sided test, as in `trivet compare` and `trivet study`.
  *
- * onlyA, onlyB  what just one of them finds
+ * onlyA, onlyB  numbers of detections that only one of the runs has
  */
 export function pairedChance(onlyA, onlyB) {
   const n = onlyA + onlyB;
   const fewer = Math.min(onlyA, onlyB);
-  // Of n fair coins: the chance of exactly `fewer` on one side, in logarithms as 2^n may be too
-  // large, then of fewer and fewer as shares of it.
+  // The two-sided binomial probability for n fair coins. The chance of exactly `fewer` on one side
+  // is computed in logarithms, as 2^n may be too large; the smaller counts follow as ratios of it.
   let logChance = -n * Math.LN2;
   for (let i = 1; i <= fewer; ++i) logChance += Math.log((n - fewer + i) / i);
   let sum = 0;
@@ -116,11 +116,11 @@ export function pairedChance(onlyA, onlyB) {
 }
 
 /**
- * What two runs find of what is known to be right.
+ * Compares the detections of two runs with the ground truth.
  *
  * scans  [{ a, b: detections, truth: [{ model, T_scene_model }], or null where it is not known }]
- * Returns { scans: number with a truth, right: of them in all, foundA, foundB, onlyA, onlyB, wrongA,
- *   wrongB, chance: see pairedChance }.
+ * Returns { scans: number with a truth, right: number of true poses in them, foundA, foundB, onlyA,
+ *   onlyB, wrongA, wrongB, chance: see pairedChance }.
  */
 export function compareByTruth(scans, modelOf) {
   const known = scans.filter(({ truth }) => truth !== null);

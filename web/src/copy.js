@@ -1,6 +1,8 @@
 import { element } from "./dom.js";
 
-/** For pages that are neither local nor encrypted, where browsers give no clipboard. */
+/**
+ * A fallback for pages that are neither local nor encrypted, where browsers provide no clipboard.
+ */
 function copySelected(text) {
   const focused = document.activeElement;
   const field = element("textarea", { className: "unseen", value: text, readOnly: true });
@@ -17,7 +19,7 @@ async function copy(text) {
   return navigator.clipboard.writeText(text);
 }
 
-/** Make a button copy a text, and say whether it did. */
+/** Makes a button copy a text and show whether it succeeded. */
 export function copiesOnClick(button, text) {
   const label = button.textContent;
   button.onclick = async () => {

@@ -2,10 +2,10 @@
 export const byId = (id) => document.getElementById(id);
 
 /**
- * Make an element.
+ * Creates an element.
  *
  * properties  of the element (`className`, `onclick`, …); a name with a dash is an attribute
- * children    elements or texts; null, undefined and false are left out
+ * children    elements or texts; null, undefined and false are omitted
  */
 export function element(tag, properties = {}, ...children) {
   const made = document.createElement(tag);
@@ -17,7 +17,7 @@ export function element(tag, properties = {}, ...children) {
   return made;
 }
 
-/** A term and what it is, as rows of a `dl`. */
+/** Terms and their definitions, as rows of a `dl`. */
 export const terms = (entries) =>
   element(
     "dl",
@@ -30,10 +30,10 @@ export const terms = (entries) =>
   );
 
 /**
- * Let the arrow keys, Home and End move the focus along a list, which is then one stop of Tab.
+ * Lets the arrow keys, Home and End move the focus along a list, which is then a single Tab stop.
  *
- * list      stays; its items may change
- * selector  of the elements that take the focus
+ * list      remains; its items may change
+ * selector  matches the focusable elements
  */
 export function moveByArrows(list, selector) {
   const items = () => [...list.querySelectorAll(selector)].filter((item) => item.offsetParent);

@@ -1,8 +1,8 @@
 /**
- * Let a link download a text.
+ * Makes a link download a text.
  *
- * scan  the name of the scan that it is about, which may have folders and an ending
- * end   of the file's name
+ * scan  the name of the related scan, which may have folders and an extension
+ * end   the end of the file name
  */
 export function downloadsText(link, text, type, scan, end) {
   URL.revokeObjectURL(link.href);
@@ -11,7 +11,7 @@ export function downloadsText(link, text, type, scan, end) {
   link.download = `${scan.replace(/^.*\//, "").replace(/\.[^.]*$/, "")}.${end}`;
 }
 
-/** Let a link download nothing until there is a text again. */
+/** Disables a download link until it has a text again. */
 export function withholdsText(link) {
   URL.revokeObjectURL(link.href);
   link.removeAttribute("href");

@@ -3,8 +3,8 @@ import { fetchExamples } from "./service.js";
 import { countWords } from "./words.js";
 
 /**
- * List the scans that the service offers; open(example) is called for the one that is picked.
- * Returns them.
+ * Lists the example scans of the service and returns them. open(example) is called for the selected
+ * one.
  */
 export async function showExamples(open) {
   const examples = await fetchExamples();

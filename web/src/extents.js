@@ -1,6 +1,6 @@
-/** How large scans are, and in which unit they would be of the size of the models. */
+/** The extents of scans, and the unit in which a scan has the size of the models. */
 
-/** Lengths of a scan along its axes, in its unit. */
+/** The extents of a scan along its axes, in its unit. */
 export function extents(positions) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -13,17 +13,18 @@ export function extents(positions) {
 
 const kMeters = { m: 1, mm: 0.001 };
 
-// The service refuses scans beyond these, of the smallest and of the largest model's diameter.
+// The service refuses scans smaller or larger than these multiples of the smallest and the largest
+// model's diameter.
 const kLeast = 0.05;
 const kMost = 500;
 
 /**
- * Whether another unit than the one that a scan was read in would make it fit to the models.
+ * Whether a different unit would make the scan match the size of the models.
  *
- * positions  of the scan's points; unit  that they were taken in
+ * positions  points of the scan; unit  the unit in which they were read
  * library    { unit, models: [{ diameter }] }
  * Returns { across: diagonal in either unit, smallest, largest: diameters, in the library's unit,
- *   fitting: the other unit }; null where the unit is no question, or none fits.
+ *   fitting: the other unit }; null if the unit is not in doubt, or none fits.
  */
 export function unitThatFits(positions, unit, library) {
   if (!positions?.length || !library.models.length) return null;

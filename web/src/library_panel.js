@@ -9,18 +9,18 @@ const kAdvice =
   "lower. If it does not matter to you which one it is, put the declaration of a turn into the " +
   "model’s entry of the manifest that you train from, and none is asked for.";
 
-/** The entries of a manifest that declare a near turn beside what is known already. */
+/** The manifest entries that declare a near symmetry in addition to the known ones. */
 const entriesWith = (model, turn) => JSON.stringify(declarationWith(model, turn)).slice(1, -1);
 
-/** The models of the library: a list to filter; a click shows one in the view. */
+/** The models of the library in a list with a filter; a click shows a model in the view. */
 export class LibraryPanel {
   #list = byId("model-list");
   #filter = byId("filter");
   #rows = [];
 
   /**
-   * onShow(model, turn)      is called when the user picks one, or one of its near turns
-   * onRename(name, to), onRemove(name)  where the service lets models change
+   * onShow(model, turn)      is called when the user selects a model or one of its near symmetries
+   * onRename(name, to), onRemove(name)  are called if the service allows changes
    */
   constructor({ onShow, onRename, onRemove }) {
     this.onShow = onShow;
@@ -88,7 +88,7 @@ export class LibraryPanel {
     );
   }
 
-  /** Mark the model that the view shows; null: none. */
+  /** Marks the model shown in the view; null: none. */
   mark(shown) {
     for (const { model, button } of this.#rows) {
       if (model === shown) button.setAttribute("aria-current", "true");

@@ -1,4 +1,4 @@
-/** The limits of poses, in the form and in the view: one follows the other. */
+/** The limits of poses, synchronized between the form and the view. */
 import { Vector3 } from "three";
 
 import { byId } from "./dom.js";
@@ -12,7 +12,7 @@ const kArrow = 0.4; // of the scan's radius
 const numbers = (text) => text.split(",").map(Number);
 const rounded = (value, digits) => String(Number(value.toFixed(digits)));
 
-/** The box around the points that are within the canvas: [low, high]; null: none is. */
+/** The bounding box of the points within the canvas: [low, high]; null: no point is. */
 export function boxAround(positions, lens) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -39,13 +39,13 @@ export class Limits {
     this.#tilt = new TiltGuide(byId("guides"), (tilt) => this.#setTilt(tilt));
   }
 
-  /** points  { positions, offset } of the scan that is shown, or null */
+  /** points  { positions, offset } of the displayed scan, or null */
   setPoints(points) {
     this.#points = points;
     this.show();
   }
 
-  /** lens  how the scan is seen, or null */
+  /** lens  the projection of the scan to the canvas, or null */
   look(lens) {
     const isNew = Boolean(lens) !== Boolean(this.#lens);
     this.#lens = lens;
@@ -54,7 +54,7 @@ export class Limits {
     this.#tilt.look(lens);
   }
 
-  /** Draw what the form says. */
+  /** Draws the limits set in the form. */
   show() {
     byId("box").setAttribute("aria-pressed", this.#has("region"));
     byId("tilt").setAttribute("aria-pressed", this.#has("tilt"));
@@ -63,14 +63,14 @@ export class Limits {
     this.#tilt.show(this.#shownTilt(box));
   }
 
-  /** Limit poses to what is seen, or no longer. */
+  /** Turns the limit of poses to the visible region on or off. */
   toggleRegion() {
     if (this.#has("region")) return this.#set("region", "");
     const box = this.#lens && this.#points && boxAround(this.#points.positions, this.#lens);
     return box && this.#setRegion(box);
   }
 
-  /** Limit how models stand to about upright in the view, or no longer. */
+  /** Turns the limit of models to roughly upright in the view on or off. */
   toggleTilt() {
     if (this.#has("tilt")) return this.#set("tilt", "");
     return this.#lens && this.#setTilt({ direction: this.#lens.up, angle: kUsualTilt });
@@ -80,7 +80,7 @@ export class Limits {
     return this.#settings.options.get(name).text !== "";
   }
 
-  /** The numbers of an option, or null where they are none. */
+  /** The numbers of an option, or null if they are invalid. */
   #numbers(name) {
     const option = this.#settings.options.get(name);
     return option.isSet && !option.fault ? numbers(option.text) : null;

@@ -1,4 +1,4 @@
-/** What is set, and the scan if the service offers it, in the address of the page. */
+/** The settings, and the scan if it is an example, in the address of the page. */
 import { copiesOnClick } from "./copy.js";
 import { byId } from "./dom.js";
 import { isExample } from "./scan.js";
@@ -33,7 +33,7 @@ export function writeLink(parameters, scan) {
       : `The link holds what is set here${isOffered ? " and the scan" : ""}.`;
 }
 
-/** Tell what a link says that cannot be done; none: it is fine. */
+/** Shows which parts of a link cannot be applied; none: hides the message. */
 export function tellIgnored(sentences) {
   const note = byId("link-ignored");
   note.hidden = !sentences.length;

@@ -6,7 +6,10 @@ import { numbered, secondsWords } from "./words.js";
 const kPollMs = 500;
 const kMost = 100;
 
-/** The last scans of a folder that the service watches, and the newest in the view as it comes. */
+/**
+ * The latest scans of the folder watched by the service; the newest is shown in the view on
+ * arrival.
+ */
 export class LiveStrip {
   #list = byId("live-scans");
   #follow = byId("follow");
@@ -15,8 +18,8 @@ export class LiveStrip {
   #shown = null; // the one in the view
 
   /**
-   * onOpen(scan, answer)     show a scan with its kept answer
-   * onFailed(scan, reason)   show that it has none
+   * onOpen(scan, answer)     shows a scan with its kept answer
+   * onFailed(scan, reason)   shows why a scan has none
    */
   constructor({ onOpen, onFailed }) {
     this.onOpen = onOpen;
@@ -25,7 +28,7 @@ export class LiveStrip {
     moveByArrows(this.#list, "button");
   }
 
-  /** Watch, if the service does. What came before is listed. */
+  /** Watches the folder if the service does. Earlier scans are listed. */
   async start() {
     const { watched, epoch, scans } = await service.fetchLive(0);
     byId("live").hidden = !watched;
@@ -35,7 +38,7 @@ export class LiveStrip {
     setTimeout(() => this.#poll(), kPollMs);
   }
 
-  /** Follow what comes, or no more. */
+  /** Starts or stops following new scans. */
   toggle() {
     this.#setFollowing(!this.#isFollowing);
   }
@@ -56,7 +59,8 @@ export class LiveStrip {
       if (epoch === this.#epoch) this.#take(scans);
       else await this.#beginAnew(epoch);
     } catch {
-      // The service is away for a while, which the page tells: what it has is asked for again.
+      // The service is unavailable for a while, which the page reports: the scans are requested
+      // again later.
     }
     setTimeout(() => this.#poll(), kPollMs);
   }
@@ -66,7 +70,7 @@ export class LiveStrip {
     if (scans.length && this.#isFollowing) this.#open(scans.at(-1));
   }
 
-  /** Another service counts anew, and knows nothing of what is listed. */
+  /** A restarted service numbers scans anew and does not know the listed ones. */
   async #beginAnew(epoch) {
     this.#last = 0;
     const { scans } = await service.fetchLive(0);

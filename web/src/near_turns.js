@@ -1,16 +1,16 @@
-/** By what a model nearly looks the same, turn by turn: how far each takes it off itself. */
+/** The near symmetries of a model, one by one, with their deviations. */
 import { element } from "./dom.js";
 import { axisWords, lengthWords, nearSymmetryWords, orientationOf, turnWords } from "./words.js";
 
 const kDigits = 7; // of the numbers of a declaration, which were floats
 
-/** "180.0° about 0.00, 0.00, 1.00", or any turn about it. */
+/** "180.0° about 0.00, 0.00, 1.00", or any rotation about the axis. */
 export function nearTurnWords({ motions, axis }) {
   if (motions.length) return turnWords(orientationOf(motions[0]));
   return `any angle about ${axisWords(axis.direction)}`;
 }
 
-/** How far a turn takes the model off itself. unit  of the library */
+/** The deviation of a model from itself after a rotation. unit  of the library */
 export function deviationWords({ deviation: { median, p90, largest } }, unit) {
   const words = (length) => lengthWords(length, unit);
   return (
@@ -24,7 +24,7 @@ const roundedNumbers = (json) =>
     typeof value === "number" ? Number(value.toPrecision(kDigits)) : value,
   );
 
-/** What a model is declared to look the same by, and one near turn more; as a manifest has it. */
+/** The declared symmetries of a model with one near symmetry added, in the form of a manifest. */
 export function declarationWith({ symmetry }, { motions, axis }) {
   const declared = symmetry.declaration ?? { symmetries: [] };
   const { direction, point } = axis;
@@ -51,12 +51,12 @@ function turnRow(turn, { unit, onShow, actionOf }) {
 }
 
 /**
- * A list that opens; null where nothing is near.
+ * A list that opens on demand; null if there are no near symmetries.
  *
  * model    { near_symmetry, … }
- * words    on what the list is good for
- * handlers { fetchTurns(): promises them, unit: of the library, onShow(turn): draw it,
- *   actionOf(turn): an element that declares it }
+ * words    purpose of the list
+ * handlers { fetchTurns(): promises the near symmetries, unit: of the library, onShow(turn): draws
+ * one, actionOf(turn): an element that declares it }
  */
 export function nearTurnsView({ near_symmetry: near }, words, handlers) {
   if (!near.declaration) return null;

@@ -1,7 +1,7 @@
 import { byId } from "./dom.js";
 import { kAccepted } from "./scan.js";
 
-/** Call `open(files)` for files that are chosen, or dropped anywhere on the page. */
+/** Calls `open(files)` for files that are selected, or dropped anywhere on the page. */
 export function listenForFiles(open) {
   const chooser = byId("files");
   chooser.accept = kAccepted;

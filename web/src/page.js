@@ -111,7 +111,7 @@ function makeView() {
   }
 }
 
-// What the panel says.
+// The texts of the panel.
 
 function say(headline) {
   byId("headline").textContent = headline;
@@ -123,7 +123,7 @@ function setBusy(busy) {
   byId("result").setAttribute("aria-busy", busy);
 }
 
-/** action  { label, run } of what may help, if anything */
+/** action  { label, run } that may solve the problem, if any */
 function showProblem(message, action) {
   byId("problem").replaceChildren(
     element("p", {}, message),
@@ -166,8 +166,8 @@ function tellScan(scene) {
 // Scans.
 
 /**
- * answer  that is kept, if there is one; else the service is asked
- * linked  what the page's address says of how to ask, if that is why it is opened
+ * answer  a kept answer, if there is one; otherwise the service is asked
+ * linked  settings from the page's address, if it opens the scan
  */
 function openScan(next, camera, answer = null, linked = null) {
   takeScan(next, camera);
@@ -177,7 +177,7 @@ function openScan(next, camera, answer = null, linked = null) {
   return run(answer);
 }
 
-/** Another scan is what the page is about; nothing of it is shown yet. */
+/** Makes another scan the current one, before any of it is shown. */
 function takeScan(next, camera) {
   scan = next;
   points = null;
@@ -191,7 +191,7 @@ function takeScan(next, camera) {
   settings.adopt(scan, camera);
 }
 
-/** A scan that came to nothing elsewhere is a result, too: nothing of another one stays. */
+/** Shows a failed scan of the watched folder as a result; nothing of another scan stays. */
 function showFailed(failed, reason) {
   running?.abort();
   takeScan(failed, null);
@@ -224,7 +224,7 @@ async function openFiles(files) {
   }
 }
 
-/** Show the scan as the service reads it, unless it is shown already. */
+/** Shows the scan as read by the service, unless it is already shown. */
 async function showPoints(signal) {
   const parameters = settings.pointParameters(scan);
   const key = parameters.toString();
@@ -240,8 +240,8 @@ async function showPoints(signal) {
 }
 
 /**
- * Ask the service about the scan with the present settings, or show a kept answer; what was being
- * asked is dropped.
+ * Requests recognition of the scan with the current settings, or shows a kept answer; a pending
+ * request is dropped.
  */
 async function run(kept = null) {
   running?.abort();
@@ -280,7 +280,9 @@ async function run(kept = null) {
   }
 }
 
-/** Propose the other unit if that makes the scan fit to the models; whether it does. */
+/**
+ * Proposes the other unit if the scan then matches the size of the models. Returns whether it does.
+ */
 function proposeUnit() {
   const found = unitThatFits(points?.positions, settings.unit, library);
   if (!found) return false;
@@ -365,7 +367,7 @@ async function showResult(result, signal) {
   await pose(things, signal);
 }
 
-/** Ask why models are found, or are not, at a place of the scan as its points are drawn. */
+/** Asks why models are found, or not, at a position of the scan as drawn. */
 async function askWhy(place) {
   if (!shownThings.length && byId("times-section").hidden) return; // nothing is answered yet
   running?.abort();
@@ -407,7 +409,7 @@ async function showWhy({ point, models }, signal) {
   byId("why-section").scrollIntoView({ block: "nearest" });
 }
 
-/** Show what a row of the answer is about in the view, and leave the other lists as they are. */
+/** Shows the subject of a result row in the view, and leaves the other lists unchanged. */
 function lookAt(id) {
   selected = id;
   lists.why.open(id);
@@ -415,7 +417,7 @@ function lookAt(id) {
   view?.select(id);
 }
 
-/** tool  that takes places of the scan: "ask", "ruler" or null */
+/** tool  the tool that picks positions in the scan: "ask", "ruler" or null */
 function setTool(next) {
   tool = next;
   for (const other of ["ask", "ruler"]) byId(other).setAttribute("aria-pressed", other === next);
@@ -433,7 +435,7 @@ function takePlace(point) {
   return measure.ruler.take(point);
 }
 
-/** Let go of the tool, else of what is shown. */
+/** Deselects the tool, or else the shown item. */
 function letGo() {
   if (!tool) return select(null);
   if (tool === "ruler") measure.ruler.clear();
@@ -449,12 +451,12 @@ function rejectedNote(all, told) {
   );
 }
 
-/** A place in the scan's frame as the points are drawn, which may have an offset. */
+/** A position in the scan's frame as its points are drawn, which may have an offset. */
 function beside(place) {
   return place.map((x, axis) => x - (points?.offset[axis] ?? 0));
 }
 
-/** Vertices of a model, in the library's unit, to the points as they are drawn. */
+/** The transform from a model's vertices, in the library's unit, to the points as drawn. */
 function poseMatrix(rows) {
   const scale = unitScale(library.unit, settings.unit);
   return new Matrix4()
@@ -463,7 +465,7 @@ function poseMatrix(rows) {
     .scale(new Vector3().setScalar(scale));
 }
 
-/** Draw the things into the view. */
+/** Draws the posed models in the view. */
 async function pose(things, signal) {
   if (!view) return;
   meshes.keep(new Set(things.map((thing) => thing.pose.model)));
@@ -510,7 +512,7 @@ function showLayer(layer, shown) {
   if (!shown && selected?.startsWith("rejected")) select(null);
 }
 
-/** Fit, when there is something to see; the layers, when that is a scan. */
+/** Shows the tools of the view if it is not empty, and those for scans if it shows a scan. */
 function showTools(model = false) {
   byId("tools").hidden = !view || !(points || model);
   for (const layer of ["scan", "found", "rejected"]) byId(`layer-${layer}`).hidden = model;
@@ -534,7 +536,7 @@ async function loadLibrary() {
     `generation ${library.generation}`;
 }
 
-/** Do something that changes the library, and show what comes of it. */
+/** Makes a change to the library and shows the outcome. */
 async function changeLibrary(change) {
   try {
     await change();
@@ -544,7 +546,7 @@ async function changeLibrary(change) {
   }
 }
 
-/** source  of its mesh; turn  a near one, which is drawn over it: see fetchNearTurnsOfModel */
+/** source  of its mesh; turn  a near symmetry, drawn over the model: see fetchNearTurnsOfModel */
 async function showModel(model, source = meshes, turn = null) {
   try {
     const geometry = await source.get(model.name);
@@ -659,7 +661,7 @@ function onShortcut(event) {
   run_shortcut();
 }
 
-/** Set what the page's address says, and open the example that it names. */
+/** Applies the settings in the page's address, and opens the example in it. */
 function followLink(examples) {
   const { parameters, example: name } = readLink();
   const example = examples.find((one) => one.name === name);

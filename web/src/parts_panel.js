@@ -10,7 +10,7 @@ const kAboutNear =
   "Where a scan does not show what tells these poses apart, a detection is ambiguous and its score " +
   "lower. Declare a turn only if it does not matter to you by how much it is off.";
 
-/** The name of a model for a file: as `trivet train` names it. */
+/** The model name for a file, the same as in `trivet train`. */
 export function modelNameOf(file) {
   const stem = file.replace(/\.gz$/i, "").replace(/\.[^.]*$/, "");
   const named = stem
@@ -26,7 +26,7 @@ export function modelNameOf(file) {
   return name.replace(/[._-]+$/, "") || "model";
 }
 
-/** What became of a part, in a sentence. */
+/** The state of a part, in a sentence. */
 function stateWords({ state, seconds, error }) {
   if (state === "waiting") return "waits for others";
   if (state === "training") return `training for ${secondsWords(seconds)} …`;
@@ -46,7 +46,7 @@ function factsWords({ facts, model }, unit) {
     .join(", ");
 }
 
-/** Parts that are brought to the service: trained aside, looked at, published. */
+/** Parts uploaded to the service, which trains them aside; the user inspects and publishes them. */
 export class PartsPanel {
   #section = byId("parts-section");
   #list = byId("part-list");
@@ -62,8 +62,8 @@ export class PartsPanel {
   allowed = false;
 
   /**
-   * handlers  onShow(part, turn): draw a trained part, and what a near turn of it makes of it;
-   *   onPublished(): the library changed
+   * handlers  onShow(part, turn): draws a trained part and its image under a near symmetry;
+   *           onPublished(): the library changed
    */
   constructor({ onShow, onPublished }) {
     this.onShow = onShow;
@@ -77,24 +77,24 @@ export class PartsPanel {
     byId("add-part").onclick = () => chooser.click();
   }
 
-  /** Ask the service what it allows and has. */
+  /** Requests the settings and parts of the service. */
   start() {
     return this.#look();
   }
 
-  /** Of the library. */
+  /** Unit of the library. */
   set unit(unit) {
     this.#unit = unit;
     byId("part-unit").value = unit;
   }
 
-  /** Of the library, as it is now. */
+  /** Current models of the library. */
   set models(models) {
     this.#models = models;
     this.#show(this.#parts);
   }
 
-  /** Have files trained as parts. */
+  /** Uploads files to be trained as parts. */
   async bring(files) {
     for (const file of files) {
       await this.#act(() => {
@@ -108,7 +108,7 @@ export class PartsPanel {
     }
   }
 
-  /** Do something, and tell what is wrong with it or show what comes of it. */
+  /** Performs an action, and shows its error or its outcome. */
   async #act(act) {
     const problem = byId("parts-problem");
     problem.textContent = "";
@@ -173,7 +173,7 @@ export class PartsPanel {
     );
   }
 
-  /** What a part nearly looks the same by, to be declared turn by turn. */
+  /** The near symmetries of a part, each with a button to declare it. */
   #near(part) {
     const { name, model } = part;
     const declare = (turn) => {
@@ -199,12 +199,12 @@ export class PartsPanel {
     return this.#act(() => service.declarePart(name, declaration));
   }
 
-  /** Take back what was declared last, as far as this page knows; else all of it. */
+  /** Reverts the last declaration known to this page; otherwise reverts all of them. */
   #undo(name) {
     return this.#declare(name, this.#before.get(name)?.pop() ?? null);
   }
 
-  /** old  the model that it replaces, if there is one */
+  /** old  the model to replace, if there is one */
   async #publish({ name, facts }, old) {
     const doubts = [...facts.warnings, old && `${name} of the library is replaced.`].filter(Boolean);
     if (doubts.length && !confirm(`${doubts.join("\n")}\nPublish it?`)) return;

@@ -50,7 +50,7 @@ function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
   ].flat();
 }
 
-/** A list of posed models; one at a time is open, with its details beneath. */
+/** A list of posed models. One at a time is open, with its details below. */
 export class PoseList {
   #list;
   #rows = new Map();
@@ -60,7 +60,7 @@ export class PoseList {
   /**
    * list     an `ol`
    * onOpen   onOpen(id) is called when a row is opened, onOpen(null) when it is closed
-   * moreFor  moreFor(id) gives an element to stand below a row, or null
+   * moreFor  moreFor(id) returns an element to show below a row, or null
    */
   constructor(list, onOpen, moreFor = () => null) {
     this.#list = list;
@@ -70,9 +70,9 @@ export class PoseList {
   }
 
   /**
-   * things  [{ id, kind, label, color, pose: as the service gave it, reason }]
+   * things  [{ id, kind, label, color, pose: from the service, reason }]
    * about   { unit: of the scan, scoreParts: of the service, or null, aboutPose: aboutPose(pose)
-   *         gives an element about one that was found }
+   *         returns an element about a detection }
    */
   show(things, about) {
     this.#rows.clear();
@@ -122,12 +122,12 @@ export class PoseList {
     this.#list.replaceChildren(...rows);
   }
 
-  /** Tell the details that are open anew. */
+  /** Updates the open details. */
   refresh() {
     for (const { details, fill } of this.#rows.values()) if (!details.hidden) fill();
   }
 
-  /** Open the row of this id, and close the others; null or an unknown id: close all. */
+  /** Opens the row with this id, and closes the others; null or an unknown id: closes all. */
   open(id) {
     for (const [other, { button, details, fill }] of this.#rows) {
       const opens = other === id;

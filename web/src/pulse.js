@@ -1,10 +1,10 @@
 import { byId } from "./dom.js";
 import { askWhetherAlive } from "./service.js";
 
-/** Between questions: with the time of one, silence is told within two seconds. */
+/** Pause between requests: with the duration of one, silence is reported within two seconds. */
 export const kRestMs = 600;
 
-/** Asks the service all the time whether it is there, and tells in a banner when it is not. */
+/** Checks continuously whether the service responds, and shows a banner when it does not. */
 export class Pulse {
   #banner = byId("away");
   #next = 0;

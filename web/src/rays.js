@@ -1,4 +1,7 @@
-/** What rays of a pose's full test say, the deciding ones last: { name in answers, words, color }. */
+/**
+ * The verdicts of rays in a pose's full test, the decisive ones last: { name in answers, words,
+ * color }.
+ */
 export const kVerdicts = [
   { name: "hidden", words: "hidden", color: "#8a8f98" },
   { name: "unmeasured", words: "unmeasured", color: "#f0e442" },
@@ -8,7 +11,9 @@ export const kVerdicts = [
   { name: "looked_through", words: "looked through", color: "#d55e00" },
 ];
 
-/** How many rays say something: { verdict of kVerdicts, count }, the deciding ones first. */
+/**
+ * The number of rays with each verdict: { verdict of kVerdicts, count }, the decisive ones first.
+ */
 export const countRays = (rays) =>
   kVerdicts
     .map((verdict) => ({ verdict, count: rays[verdict.name].length / 3 }))

@@ -1,8 +1,8 @@
 const kHopeful = 0.01; // poses that score less are not told
 
 /**
- * The rejected poses that are worth a row, best first: those with a chance that are not just a
- * worse guess at a detection of their own model, and the best of each model without a detection.
+ * The rejected poses worth listing, best first: those with a chance that are not just a worse
+ * hypothesis for a detection of their model, and the best of each model without a detection.
  */
 export function worthTelling(rejected, detections) {
   const seen = new Set(detections.map(({ model }) => model));

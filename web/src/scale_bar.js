@@ -3,14 +3,16 @@ import { lengthWords } from "./words.js";
 
 const kMostPixels = 120;
 
-/** The longest round length (1, 2 or 5 times a power of ten) that takes so many pixels at most. */
+/**
+ * The longest round length (1, 2 or 5 times a power of ten) that covers at most this many pixels.
+ */
 export function roundLength(lengthPerPixel) {
   const most = kMostPixels * lengthPerPixel;
   const power = 10 ** Math.floor(Math.log10(most));
   return power * [5, 2, 1].find((step) => step * power <= most);
 }
 
-/** Tell how long things are where the view looks; lengthPerPixel  in the unit, null: nothing. */
+/** Shows the scale at the view's target; lengthPerPixel  in the unit, null: nothing is shown. */
 export function showScale(lengthPerPixel, unit) {
   const box = byId("scale");
   box.hidden = !(lengthPerPixel > 0);

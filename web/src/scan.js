@@ -1,23 +1,23 @@
-/** What a user opens: scans, and camera files beside them. */
+/** Files that a user opens: scans, and camera files with them. */
 
 const kDepthFormats = ["png", "tif", "tiff"];
 const kCloudFormats = ["ply", "pcd", "obj", "stl", "off", "xyz", "asc", "pts", "txt", "csv", "glb"];
 const kFormats = [...kCloudFormats, ...kDepthFormats, "npy"];
-/** Of files that models are trained from. */
+/** Formats of files for training models. */
 export const kPartFormats = [...kCloudFormats, "gltf", "step", "stp", "gz"];
 export const kAccepted = [...kFormats, "gz", "json"].map((format) => `.${format}`).join(",");
 
 /** Whether a scan is a depth image, which needs its camera. */
 export const isDepthImage = ({ format }) => kDepthFormats.includes(format);
 
-/** Whether it may be one: an array of numbers is, if it has a camera. */
+/** Whether it may be a depth image: an array of numbers is one if it has a camera. */
 export const mayBeDepthImage = (scan) => isDepthImage(scan) || scan.format === "npy";
 
 export const kCameraKeys = ["fx", "fy", "cx", "cy", "depth_scale"];
-/** What is told of a camera's images, as parameters of a request. */
+/** The properties of a camera's images, as parameters of a request. */
 export const kImageParameters = ["depth", "distortion", "image-size"];
 
-/** Of what is within, where the file is packed by gzip. */
+/** The extension of the content, if the file is compressed by gzip. */
 function extension(name) {
   const unpacked = name.toLowerCase().replace(/\.gz$/, "");
   return unpacked.slice(unpacked.lastIndexOf(".") + 1);
@@ -49,7 +49,7 @@ async function readCamera(file) {
   };
 }
 
-/** Whatever a camera says must be sent: a distortion that is left out would be a wrong pose. */
+/** Every property of a camera must be sent: an omitted distortion would give a wrong pose. */
 function readImage(name, { depth, distortion, width, height, ...camera }) {
   const unknown = Object.keys(camera).filter((key) => !kCameraKeys.includes(key) && key[0] !== "_");
   if (unknown.length) {
@@ -66,10 +66,10 @@ function readImage(name, { depth, distortion, width, height, ...camera }) {
 }
 
 /**
- * Read dropped or chosen files.
+ * Reads dropped or selected files.
  *
- * Returns { scans: [{ name, format, body, query }], camera: or null }.
- * Errors: neither scans of a known format nor a camera, a camera file without the numbers.
+ * Returns { scans: [{ name, format, body, query }], camera: or null }. Errors: neither scans of a
+ *   known format nor a camera, a camera file without the numbers.
  */
 export async function readFiles(files) {
   const all = [...files];
@@ -93,10 +93,10 @@ export async function readFiles(files) {
 
 const kExamples = "/v1/examples/"; // where scans are that every visitor of the service has
 
-/** Whether every visitor of the service has it. */
+/** Whether the scan is an example, available to every visitor of the service. */
 export const isExample = (scan) => scan?.url?.startsWith(kExamples) ?? false;
 
-/** A scan that the service offers; its body is still to be fetched from `url`. */
+/** An example scan of the service; its body still has to be fetched from `url`. */
 export function scanOfExample({ name, query, url }) {
   const parameters = new URLSearchParams(query);
   return { name, format: parameters.get("format"), body: null, query: parameters, url };

@@ -1,14 +1,14 @@
 import { element } from "./dom.js";
 import { scoreWords, signed } from "./words.js";
 
-/** An element as wide as this share of the one around it. */
+/** An element with this fraction of the width of its parent. */
 function share(className, value) {
   const made = element("span", { className });
   made.style.width = `${100 * Math.min(1, Math.max(0, value))}%`;
   return made;
 }
 
-/** Less is rounding, and nothing that other answers took. */
+/** A smaller value is rounding, not a share of other answers. */
 const kNothing = 0.005;
 const kLeast = 1e-6; // beyond it the odds of a float are rounding
 
@@ -36,8 +36,8 @@ function partRow({ label, meaning, limit, added }, most) {
 }
 
 /**
- * What a score is made of, in rows that add up to its log odds: where they begin, each part beside
- * the most that it could add, and what other answers take off.
+ * The composition of a score, in rows that sum to its log odds: the bias, each part beside its
+ * maximum, and the deduction for other answers.
  *
  * pose        { score, evidence: { part: log odds }, parts: { correlation } } of the service
  * scoreParts  { bias, parts: [{ name, label, meaning, most_evidence }] }, where bias and

@@ -1,13 +1,13 @@
-/** What the service refused, or that it did not answer, as a sentence for the user. */
+/** A refusal or missing response of the service, as a sentence for the user. */
 export class ServiceError extends Error {
-  /** status  of HTTP, 0: there was no answer; told  what else the answer says, if it is JSON */
+  /** status  of HTTP, 0: there was no response; told  the response, if it is JSON */
   constructor(message, status, told = {}) {
     super(message);
     this.status = status;
     this.told = told;
   }
 
-  /** Whether the same request may be answered another time. */
+  /** Whether the same request may succeed later. */
   get mayPass() {
     return this.status === 0 || this.status >= 500;
   }
@@ -22,7 +22,7 @@ const kHints = {
 const kToken = "trivet-token";
 let isTokenRefused = false; // by who was asked for one
 
-/** The token that the service asks for; null: none was asked for yet. */
+/** The token required by the service; null: none was needed yet. */
 function knownToken() {
   try {
     return sessionStorage.getItem(kToken);
@@ -38,23 +38,23 @@ function askForToken() {
   return token;
 }
 
-/** As fetch, with what shows the service that its own page asks, and with a token if it wants one. */
+/** Like fetch, with a header that identifies the service's page, and a token if required. */
 async function send(target, options) {
   for (;;) {
     const token = knownToken();
     const headers = { ...options.headers, "X-Trivet": "page" };
     if (token) headers.Authorization = `Bearer ${token}`;
     const response = await fetch(target, { ...options, headers });
-    // Of several requests that were refused the first asks.
+    // Only the first of several refused requests asks for a token.
     if (response.status !== 401 || (knownToken() === token && !askForToken())) return response;
   }
 }
 
 /**
- * All that the page asks of the service goes through here.
+ * Sends every request of the page to the service.
  *
  * options  of fetch()
- * Errors: ServiceError; AbortError, where the page itself stopped it.
+ * Errors: ServiceError; AbortError if the page itself stopped the request.
  */
 export async function ask(target, options = {}) {
   let response;
@@ -71,7 +71,7 @@ export async function ask(target, options = {}) {
     told = await response.json();
     reason = told.error ?? reason;
   } catch {
-    // Not of the service's own: a proxy's page, say. The status has to do.
+    // The response is not from the service but from a proxy, for example. Only the status is used.
   }
   const wait = response.headers.get("Retry-After");
   throw new ServiceError(
@@ -83,11 +83,11 @@ export async function ask(target, options = {}) {
 
 export const getJson = async (target, options) => (await ask(target, options)).json();
 
-/** Within which what needs no work is answered. */
+/** The time limit of requests that need no work. */
 export const kQuickMs = 1200;
 const quickly = () => ({ signal: AbortSignal.timeout(kQuickMs) });
 
-/** Whether the service answers. Errors: it does not. */
+/** Whether the service responds. Errors: it does not. */
 export const askWhetherAlive = () => ask("/v2/health/live", quickly());
 
 /**
@@ -101,18 +101,18 @@ export const fetchLibrary = () => getJson("/v1/models");
 export const fetchExamples = async () => (await getJson("/v1/examples")).examples;
 
 /**
- * { watched, epoch: another one where numbers begin anew, scans: [{ number, name, query, time,
- *   seconds, detections, error, url, answer: its address }] }, those of numbers above `after`
+ * { watched, epoch: changes when numbers begin anew, scans: [{ number, name, query, time, seconds,
+ * detections, error, url, answer: its address }] }, with numbers above `after`
  */
 export const fetchLive = (after) => getJson(`/v1/live?after=${after}`, quickly());
 
-/** An answer that the service keeps at an address. */
+/** An answer kept by the service at an address. */
 export const fetchAnswer = getJson;
 
 /** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
 
-/** The parameters of a recognition, as OpenAPI describes them. */
+/** The parameters of recognition, as described by OpenAPI. */
 export async function fetchParameters() {
   const { paths, components } = await getJson("/v1/openapi.json");
   return paths["/v1/recognize"].post.parameters.map(
@@ -125,7 +125,10 @@ export async function fetchBytes(address, signal) {
   return (await ask(address, { signal })).arrayBuffer();
 }
 
-/** Let an image show a picture of the service, which the browser would ask for without a token. */
+/**
+ * Shows a picture of the service in an image element. The browser itself would request it without a
+ * token.
+ */
 export function showPicture(image, address) {
   if (!knownToken()) {
     image.src = address;
@@ -141,9 +144,9 @@ export function showPicture(image, address) {
 }
 
 /**
- * { allowed, max_bytes, max_seconds, parts: [{ name, file, bytes, unit, state: "waiting", "training",
- *   "trained" or "failed", seconds, error, facts: of a trained one as `trivet train --json` has
- *   them, model: as of fetchLibrary, without a thumbnail }] }
+ * { allowed, max_bytes, max_seconds, parts: [{ name, file, bytes, unit, state: "waiting",
+ * "training", "trained" or "failed", seconds, error, facts: of a trained part, as in `trivet train
+ * --json`, model: as in fetchLibrary, without a thumbnail }] }
  */
 export const fetchParts = () => getJson("/v1/parts");
 
@@ -156,12 +159,12 @@ const modelPath = (name) => `/v1/models/${name.split("/").map(encodeURIComponent
 /** unit  of the file's coordinates */
 export const bringPart = (name, file, unit) =>
   change("PUT", partPath(name), { file: file.name, unit }, file);
-/** declaration  as a manifest has it; null: what the service finds */
+/** declaration  as in a manifest; null: the symmetry found by the service */
 export const declarePart = (name, declaration) =>
   change("PATCH", partPath(name), {}, JSON.stringify({ declaration }));
 /**
- * [{ motions, axis: { direction, point, turn_deg: null of any turn }, deviation: { median, p90,
- *   largest }, place: of the largest }] by what a part, or model, nearly looks the same
+ * [{ motions, axis: { direction, point, turn_deg: null for any rotation }, deviation: { median,
+ * p90, largest }, place: of the largest }], the near symmetries of a part or model
  */
 const nearTurns = async (path) => (await getJson(`${path}/near-symmetry`)).turns;
 export const fetchNearTurnsOfPart = (name) => nearTurns(partPath(name));
@@ -171,7 +174,7 @@ export const publishPart = (name) => change("PUT", modelPath(name));
 export const renameModel = (name, to) => change("PATCH", modelPath(name), { name: to });
 export const removeModel = (name) => change("DELETE", modelPath(name));
 
-/** A request about a scan, which the service knows as "body". */
+/** A request about a scan, which the service calls "body". */
 async function post(path, parameters, scan, signal) {
   try {
     return await ask(`${path}?${parameters}`, { method: "POST", body: scan.body, signal });
@@ -181,7 +184,7 @@ async function post(path, parameters, scan, signal) {
   }
 }
 
-/** Of x, y, z, intensity after one another: the positions, and the intensities. */
+/** Splits interleaved x, y, z, intensity into the positions and the intensities. */
 function splitColumns(numbers) {
   const num = numbers.length / 4;
   const positions = new Float32Array(3 * num);
@@ -194,11 +197,11 @@ function splitColumns(numbers) {
 }
 
 /**
- * Points of a scan, thinned to what can be drawn.
+ * Points of a scan, thinned for drawing.
  *
- * Returns { positions: x, y, z of each in the scan's unit, offset: to be added for the scan's frame,
- *   total: before thinning, viewpoint: of the sensor in the scan's frame, where known, else null,
- *   intensity: of each point, if the scan has it, else null }.
+ * Returns { positions: x, y, z of each in the scan's unit, offset: to be added for the scan's
+ *   frame, total: before thinning, viewpoint: of the sensor in the scan's frame if known, else
+ *   null, intensity: of each point if the scan has it, else null }.
  */
 export async function fetchPoints(scan, parameters, signal) {
   const response = await post("/v1/points", `${parameters}&intensity=true`, scan, signal);
@@ -212,22 +215,23 @@ export async function fetchPoints(scan, parameters, signal) {
 }
 
 /**
- * Recognize a scan.
+ * Recognizes a scan.
  *
- * Returns { text: the answer as it came, answer: parsed, seconds: from sending to the end of it }.
+ * Returns { text: the response as received, answer: parsed, seconds: from sending the request to
+ *   the end of the response }.
  */
 export async function recognize(scan, parameters, signal) {
   performance.clearResourceTimings();
   const start = performance.now();
   const response = await post("/v1/recognize", parameters, scan, signal);
   const text = await response.text();
-  // The network's clock, where there is one: the page's also counts what was drawn meanwhile.
+  // The network's time, if available: the page's time includes drawing in between.
   const sent = performance.getEntriesByName(response.url).at(-1);
   const ms = sent ? sent.responseEnd - sent.startTime : performance.now() - start;
   return { text, answer: JSON.parse(text), seconds: ms / 1000 };
 }
 
-/** An answer that is kept, as recognize() returns it. */
+/** A kept answer in the form returned by recognize(). */
 export function keptResult(answer) {
   const { queue, work } = answer.seconds;
   return { text: JSON.stringify(answer), answer, seconds: queue + work };

@@ -19,7 +19,7 @@ const form = byId("settings");
 const field = (name) => form.elements[name];
 const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
 const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
-// What the form asks for by other fields, or the page by itself.
+// Parameters set by other fields of the form, or by the page itself.
 const kReading = ["camera", ...kImageParameters, "viewpoint", "unit"];
 const kElsewhere = ["format", ...kReading, "rejected", ...Object.keys(kOwn)];
 
@@ -39,11 +39,11 @@ function remember(names, more = {}) {
   keep(kRemembered, JSON.stringify(values));
 }
 
-/** Of the parameters of a request, those of the camera's images. */
+/** The parameters of a request that concern the camera's images. */
 const pick = (query) =>
   Object.fromEntries([...query].filter(([name]) => kImageParameters.includes(name)));
 
-/** What to ask for, and how the scan is to be read: the form, and what follows from it. */
+/** The settings of recognition and of reading the scan: the form and everything derived from it. */
 export class Settings {
   #query = null; // of an example
   #image = {}; // what is told of the camera's images, by parameter
@@ -51,8 +51,8 @@ export class Settings {
   #onChange = () => {};
 
   /**
-   * library     { unit, which a scan has unless it is said otherwise; models }
-   * parameters  of a recognition, as the service describes them
+   * library     { unit, the default for scans; models }
+   * parameters  of recognition, as described by the service
    */
   constructor({ unit, models }, parameters) {
     this.libraryUnit = unit;
@@ -74,7 +74,7 @@ export class Settings {
     this.#summarize();
   }
 
-  /** Call `act` whenever something is set otherwise. */
+  /** Calls `act` whenever a setting changes. */
   onChange(act) {
     this.#onChange = act;
   }
@@ -84,13 +84,13 @@ export class Settings {
     this.#onChange();
   }
 
-  /** What a parameter is as long as nobody says otherwise; query  of the scan, or null */
+  /** The default of a parameter; query  of the scan, or null */
   #usual(name, query = this.#query) {
     const own = { unit: this.libraryUnit }[name] ?? usualOf(this.described.get(name));
     return query?.get(name) ?? own;
   }
 
-  /** Take over how a scan is to be read: an example says it, a file is like the last one. */
+  /** Adopts how a scan is read: from an example, or for a file from the last file. */
   adopt(scan, camera) {
     const known = scan.query ? Object.fromEntries(scan.query) : remembered();
     const numbers = scan.query?.get("camera")?.split(",") ?? [];
@@ -107,7 +107,7 @@ export class Settings {
     this.#changed();
   }
 
-  /** The library's, which may have changed. */
+  /** The models of the library, which may have changed. */
   takeModels(models) {
     this.options.models = models.map(({ name }) => name);
   }
@@ -137,7 +137,7 @@ export class Settings {
     this.mark({ field: field("unit") });
   }
 
-  /** The first field that cannot be sent, and what it needs: { field, message }; null: none. */
+  /** The first field with an invalid value, and the fix: { field, message }; null: none. */
   fault(scan) {
     const wrong = (name, message) => ({ field: field(name), message });
     const score = Number(this.minScore);
@@ -182,7 +182,7 @@ export class Settings {
     return kCameraKeys.every((name) => isNumber(field(name).value));
   }
 
-  /** Parameters of a request to recognize it. */
+  /** Parameters of a request to recognize this scan. */
   parameters(scan) {
     const parameters = this.pointParameters(scan);
     parameters.set("method", field("method").value);
@@ -192,7 +192,7 @@ export class Settings {
     return parameters;
   }
 
-  /** Of the parameters of an answered request, those that the form can show, for restore(). */
+  /** The parameters of an answered request that the form can show, for restore(). */
   shown(query) {
     const known = [...Object.keys(kOwn), ...kReading];
     return new URLSearchParams(
@@ -200,7 +200,7 @@ export class Settings {
     );
   }
 
-  /** Parameters that are not as usual, or as an example says, for restore(). */
+  /** Parameters that differ from the default or from the example, for restore(). */
   shared(scan) {
     const parameters = new URLSearchParams();
     const query = isExample(scan) ? this.#query : null;
@@ -217,7 +217,7 @@ export class Settings {
     return parameters;
   }
 
-  /** Set these, and all else as usual; returns a sentence on each that cannot be set. */
+  /** Sets these parameters and resets all others; returns a sentence on each that cannot be set. */
   restore(parameters) {
     this.options.reset();
     for (const name of Object.keys(kOwn)) field(name).value = this.#usual(name);
@@ -236,7 +236,7 @@ export class Settings {
     return ignored;
   }
 
-  /** Returns what is wrong, null: nothing. */
+  /** Returns the fault; null: none. */
   #restore(name, value) {
     const option = this.options.get(name);
     const known = this.described.get(name);
@@ -255,7 +255,7 @@ export class Settings {
     return null;
   }
 
-  /** Show a fault, or its absence. */
+  /** Shows a fault, or clears it. */
   mark(fault) {
     for (const input of form.querySelectorAll("[aria-invalid]"))
       input.removeAttribute("aria-invalid");
@@ -267,7 +267,7 @@ export class Settings {
     byId("headline").scrollIntoView({ block: "nearest" });
   }
 
-  /** Call `run` when the user asks for another recognition. */
+  /** Calls `run` when the user requests another recognition. */
   onSubmit(run) {
     form.addEventListener("submit", (event) => {
       event.preventDefault();

@@ -1,6 +1,6 @@
-/** What the page remembers for the next visit; nothing where the browser gives no storage. */
+/** Storage of the page for the next visit; empty where the browser provides none. */
 
-/** The text that was kept under this name, or null. */
+/** The text stored under this name, or null. */
 export function recall(name) {
   try {
     return localStorage.getItem(name);

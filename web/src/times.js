@@ -3,7 +3,7 @@ import { secondsWords } from "./words.js";
 
 const kShortest = 5e-5; // [s]: what would read as 0.0 ms goes untold
 
-/** What people call the stages of recognition, in their order; the colors are those of the style. */
+/** The stages of recognition in words, in their order; the colors are those of the style sheet. */
 const kGroups = [
   { name: "waiting for its turn", stages: ["queue"] },
   { name: "reading the scan", stages: ["read", "prepare", "subsample"] },
@@ -18,10 +18,10 @@ const groupOf = (stage) => {
 };
 
 /**
- * Where the time of an answer went: a stacked bar, and its numbers.
+ * The time of each stage of an answer: a stacked bar, and its numbers.
  *
  * answer   of the service
- * seconds  from sending the request to the end of the answer
+ * seconds  from sending the request to the end of the response
  */
 export function timesView(answer, seconds) {
   const { queue = 0, work = 0 } = answer.seconds ?? {};

@@ -1,4 +1,4 @@
 const kPerMeter = { m: 1, mm: 1000 };
 
-/** What a length in one unit is multiplied by to be in another. */
+/** The factor from a length in one unit to another. */
 export const unitScale = (from, to) => kPerMeter[to] / kPerMeter[from];

@@ -13,7 +13,7 @@ const kStages = [
 const stagesWords = (poses) =>
   kStages.map(([stage, words]) => `${poses[stage] || "none"} ${words}`).join(", ");
 
-/** How many rays say what, with the colors that they have in the view. */
+/** The number of rays with each verdict, with their colors in the view. */
 const legend = (rays) =>
   element(
     "span",
@@ -27,7 +27,10 @@ const legend = (rays) =>
 
 const kNothing = 0.05; // a score below which nothing speaks for a model
 
-/** In a sentence what is at a place; models  as the service explains them, minScore  of the request */
+/**
+ * The verdict about a position in a sentence; models  as explained by the service, minScore  of the
+ * request
+ */
 export function verdictWords(models, minScore) {
   if (!models.length) return "no pose of any model was proposed here.";
   const found = models.find(({ detection }) => detection !== null);
@@ -41,7 +44,7 @@ export function verdictWords(models, minScore) {
     : `not sure enough: the best guess, ${model}, has a score of ${score}; the lowest is ${minScore}.`;
 }
 
-/** What became of each model at a place of the scan. */
+/** The outcome of each model at a position of the scan. */
 export class WhyList {
   #list;
   #buttons = new Map();
@@ -53,7 +56,7 @@ export class WhyList {
     moveByArrows(list, "button.pose");
   }
 
-  /** things  [{ id: of what it draws in the view, explained: as the service gave it }] */
+  /** things  [{ id: of its drawing in the view, explained: from the service }] */
   show(things) {
     this.#buttons.clear();
     this.#list.replaceChildren(
@@ -77,7 +80,7 @@ export class WhyList {
             id && legend(explained.rays),
           ),
         ];
-        // Without a pose there is nothing to look at.
+        // Without a pose there is nothing to show.
         if (!id) return element("li", {}, element("div", { className: "pose" }, told));
         const button = element(
           "button",
@@ -95,7 +98,7 @@ export class WhyList {
     );
   }
 
-  /** Mark the row of this id as the one that is drawn. */
+  /** Marks the row with this id as the drawn one. */
   open(id) {
     for (const [button, own] of this.#buttons) button.setAttribute("aria-pressed", own === id);
   }

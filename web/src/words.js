@@ -1,16 +1,16 @@
-/** Numbers and findings as an engineer reads them. */
+/** Numbers and results in the form that an engineer reads. */
 import { quaternionOf } from "./robot/conventions.js";
 
 const figures = (value, digits) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 
-/** A length in the given unit ("m" or "mm"), told in the one that reads better. */
+/** A length given in a unit ("m" or "mm"), shown in the more readable one. */
 export function lengthWords(value, unit) {
   if (!Number.isFinite(value)) return "unknown";
   const meters = unit === "mm" ? value / 1000 : value;
   return Math.abs(meters) < 1 ? `${figures(meters * 1000, 3)} mm` : `${figures(meters, 3)} m`;
 }
 
-/** A point in the scan's own unit, since that is what robots are taught in. */
+/** A point in the scan's unit, which robots are taught in. */
 export function pointWords(point, unit) {
   const digits = unit === "mm" ? 1 : 4;
   const number = (value) => value.toFixed(digits).replace("-", "−");
@@ -26,7 +26,7 @@ export function secondsWords(value) {
   return `${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`;
 }
 
-/** A probability, of which no digit is made up: none is 0 or 1. */
+/** A probability without invented digits: it is never 0 or 1. */
 export function scoreWords(score) {
   if (score < 0.001) return "< 0.001";
   return score > 0.999 ? "> 0.999" : score.toFixed(3);
@@ -49,25 +49,27 @@ const kMethods = {
 };
 export const methodWords = (method) => kMethods[method] ?? method;
 
-/** poses  beside the model's own; axis  whether it turns about one */
+/** poses  besides the identity; axis  whether the model is symmetric about one */
 export function symmetryWords({ poses, axis }) {
   if (axis) return "turns freely about an axis";
   if (poses > 0) return `looks the same in ${poses + 1} poses`;
   return "no symmetry";
 }
 
-/** poses  beside the model's own; axis  whether it nearly turns about one */
+/** poses  besides the identity; axis  whether the model is nearly symmetric about one */
 export function nearSymmetryWords({ poses, axis }) {
   if (axis) return "nearly turns freely about an axis";
   return `looks nearly the same in ${poses + 1} poses`;
 }
 
-/** Why a pose was rejected, as the service says it, with the place of what explains it. */
+/**
+ * Why a pose was rejected, in the service's words, with the position of the pose that explains it.
+ */
 export function rejectionWords({ words, explained_by: by }) {
   return by === null ? words : `${words} (${by + 1})`;
 }
 
-/** What of the whole object was measured, and where the rest is, as far as that is worth a word. */
+/** The measured fraction of the whole object, and where the rest is, if that is significant. */
 export function visibilityWords(pose) {
   const kHardly = 0.01;
   return [
@@ -80,7 +82,7 @@ export function visibilityWords(pose) {
 }
 
 /**
- * How a pose turns the model.
+ * The rotation of a pose.
  *
  * rows  of the matrix of a rigid motion
  * Returns { quaternion: [x, y, z, w], w >= 0; angle: [degrees], 0 to 180; axis: unit vector }.
@@ -96,7 +98,7 @@ export function orientationOf(rows) {
   };
 }
 
-// Rounded first: there is no negative zero.
+// Rounded first, to avoid negative zero.
 const fixed = (digits) => (value) =>
   (Number(value.toFixed(digits)) || 0).toFixed(digits).replace("-", "−");
 export const axisWords = (axis) => axis.map(fixed(2)).join(", ");

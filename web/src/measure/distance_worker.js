@@ -1,4 +1,4 @@
-/** Measures beside the page: answers one job with progress, then with the distances. */
+/** Measures distances in a worker: responds to one job with progress, then with the distances. */
 import { findDistances, Surface } from "./signed_distance.js";
 import { figuresOf } from "./statistics.js";
 

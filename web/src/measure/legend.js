@@ -2,11 +2,11 @@ import { byId, element } from "../dom.js";
 import { cssColor } from "../view/palettes.js";
 
 /**
- * Tell in the view what its colors mean.
+ * Shows the legend of the colors in the view.
  *
  * title           of the values
  * labels          of the lower limit, the middle and the upper limit, with units
- * hasBeyond       whether what is beyond the limits has colors of its own
+ * hasBeyond       whether values beyond the limits have separate colors
  */
 export function showLegend({ title, labels, palette, hasBeyond }) {
   const { below, between, above } = palette;

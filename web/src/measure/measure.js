@@ -18,7 +18,7 @@ const kAxes = ["+x", "-x", "+y", "-y", "+z", "-z"];
 const form = byId("measure");
 const field = (name) => form.elements[name];
 
-/** The user's colors, distances, sections and lengths in a scan. */
+/** The colors, distances, sections and lengths that the user selects in a scan. */
 export class Measure {
   #view;
   #section;
@@ -43,7 +43,7 @@ export class Measure {
     }
   }
 
-  /** points  of the service, as they are drawn; null: none yet; unit  of the scan */
+  /** points  of the service, as drawn; null: none yet; unit  of the scan */
   setScan(points, unit) {
     this.#points = points?.positions.length ? points : null;
     this.#unit = unit;
@@ -60,13 +60,13 @@ export class Measure {
     return this.#paint();
   }
 
-  /** Let a color be chosen where there is what it tells. */
+  /** Enables a color mode if its data exist. */
   #offer(mode, source) {
     field("color").querySelector(`[value=${mode}]`).disabled = !source;
     if (!source && field("color").value === mode) field("color").value = "plain";
   }
 
-  /** things  that were found, as they are drawn: [{ id, label, name, geometry, pose }] */
+  /** things  the drawn detections: [{ id, label, name, geometry, pose }] */
   setThings(things) {
     this.#things = things;
     const before = field("target").value;
@@ -78,7 +78,7 @@ export class Measure {
     if (this.#points && field("color").value === "distance") this.#paint();
   }
 
-  /** Measure to this one, if it was found. */
+  /** Measures distances to this detection, if it exists. */
   follow(id) {
     if (!this.#things.some((thing) => thing.id === id)) return;
     const before = field("target").value;
@@ -91,7 +91,7 @@ export class Measure {
     field("target").value = this.#things.some((thing) => thing.id === id) ? id : kAll;
   }
 
-  /** Whether the scan is shown, and not a model by itself. */
+  /** Whether the scan is shown instead of a single model. */
   show(shown) {
     byId("legend").hidden = !shown || !this.#points || field("color").value === "plain";
   }
@@ -145,7 +145,7 @@ export class Measure {
     return this.#view.colorScan({ values, low, high, palette });
   }
 
-  /** What the points are colored by: { values: one a point, title, words: of a value }. */
+  /** The values that color the points: { values: one per point, title, words: text of a value }. */
   #valuesOf(mode) {
     const { positions, offset, viewpoint, intensity } = this.#points;
     if (mode === "intensity") {

@@ -1,11 +1,11 @@
 /**
- * Measure distances of points to posed meshes, beside the page.
+ * Measures distances of points to posed meshes in a worker.
  *
  * positions   x, y, z of each point
- * things      [{ geometry, pose: Matrix4 of the geometry's points to these }]
- * band        points farther from all of them have no distance
- * onProgress  called with the share that is done
- * Returns { distances: of each point to the nearest, positive outside, NaN beyond the band;
+ * things      [{ geometry, pose: Matrix4 from the geometry's points to these }]
+ * band        points farther from all meshes have no distance
+ * onProgress  called with the completed fraction
+ * Returns { distances: of each point to the nearest mesh, positive outside, NaN beyond the band;
  *   isClosed: whether all meshes are; figures: figuresOf(distances) }; null if it is aborted.
  */
 export function measureDistances({ positions, things, band }, signal, onProgress) {

@@ -16,7 +16,7 @@ function svg(tag, attributes, ...children) {
   return made;
 }
 
-/** Bars in the colors of the scan, with the limits of tolerance as lines. */
+/** A histogram in the colors of the scan, with the tolerance limits as lines. */
 function histogram(counts, band, tolerance, unit) {
   const most = Math.max(...counts);
   const at = (distance) => (kWidth * (distance + band)) / (2 * band);
@@ -65,7 +65,7 @@ function histogram(counts, band, tolerance, unit) {
 }
 
 /**
- * What was measured, in numbers and as a histogram.
+ * The measurement in numbers and as a histogram.
  *
  * measured   { distances, isClosed, figures } of measureDistances
  * band, tolerance  in the unit of the scan

@@ -1,7 +1,7 @@
 import { byId, element, terms } from "../dom.js";
 import { lengthWords, pointWords } from "../words.js";
 
-/** From one point to another: { distance, along: [dx, dy, dz] }. */
+/** The distance between two points: { distance, along: [dx, dy, dz] }. */
 export function between(from, to) {
   const along = to.map((value, axis) => value - from[axis]);
   return { distance: Math.hypot(...along), along };
@@ -18,7 +18,7 @@ export class Ruler {
     this.#view = view;
   }
 
-  /** points  { offset }; unit  of theirs */
+  /** points  { offset }; unit  of the points */
   setScan({ offset }, unit) {
     this.#offset = offset;
     this.#unit = unit;
@@ -30,7 +30,7 @@ export class Ruler {
     this.#show();
   }
 
-  /** Take a point of the scan as it is drawn for the next end; after two it begins anew. */
+  /** Uses a drawn point of the scan as the next end; after two ends the ruler starts again. */
   take(point) {
     this.#ends = this.#ends.length === 1 ? [this.#ends[0], point] : [point];
     this.#show();

@@ -1,10 +1,10 @@
-/** Values of a scan's points to color it by. */
+/** Scalar values of a scan's points, for coloring. */
 import { quantile } from "./statistics.js";
 
 const kSamples = 20000;
 const kStray = 0.01; // share of the points at either end that must not make the rest one color
 
-/** Distances from a place, in the frame of the positions. */
+/** Distances from a position, in the frame of the positions. */
 export function rangesFrom(positions, [x, y, z]) {
   const values = new Float32Array(positions.length / 3);
   for (let i = 0; i < values.length; ++i) {
@@ -25,7 +25,7 @@ export function heightsAlong(positions, axis, offset) {
   return values;
 }
 
-/** Limits that all values but strays are within: { low, high }, low < high. NaN is no value. */
+/** Limits that contain all values except outliers: { low, high }, low < high. NaN is ignored. */
 export function limitsOf(values) {
   const step = Math.max(1, Math.floor(values.length / kSamples));
   const sample = Float32Array.from(

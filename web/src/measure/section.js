@@ -3,7 +3,7 @@ import { lengthWords } from "../words.js";
 
 const kAxes = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] };
 
-/** Least and greatest of the positions along a direction. */
+/** The smallest and largest coordinate of the positions along a direction. */
 function rangeAlong(positions, [x, y, z]) {
   let [low, high] = [Infinity, -Infinity];
   for (let i = 0; i < positions.length; i += 3) {
@@ -14,7 +14,7 @@ function rangeAlong(positions, [x, y, z]) {
   return { low, high };
 }
 
-/** A slab that the scan and its models are cut down to, by three fields of the form. */
+/** A slab to which the scan and its models are clipped, set by three fields of the form. */
 export class Section {
   #view;
   #fields;
@@ -33,7 +33,7 @@ export class Section {
     }
   }
 
-  /** points  { positions, offset }; unit  of theirs */
+  /** points  { positions, offset }; unit  of the points */
   setScan(points, unit) {
     this.#points = points;
     this.#unit = unit;
@@ -54,7 +54,7 @@ export class Section {
     if (!this.#normal) return this.#view.setSlab(null);
     const { low, high } = this.#range;
     const middle = low + (high - low) * this.#fields["section-at"].valueAsNumber;
-    // Squared, so that thin ones are set finely.
+    // Quadratic, so that thin slabs are set finely.
     const thickness = (high - low) * this.#fields["section-thickness"].valueAsNumber ** 2;
     const origin = this.#normal.reduce((sum, n, k) => sum + n * this.#points.offset[k], 0);
     this.#tell("section-at", lengthWords(middle + origin, this.#unit));

@@ -4,12 +4,12 @@ const kLeaf = 4; // triangles of a box that is not split further
 
 const kCorners = [0, 1, 2];
 
-/** Feature of a triangle that a point is nearest to: its inside, 1 + corner, 4 + edge. */
+/** The feature of a triangle that is nearest to a point: its inside, 1 + corner, 4 + edge. */
 const kInside = 0;
 const kFirstCorner = 1;
 const kFirstEdge = 4; // edge k is between corner k and the next
 
-/** Vertices at the same place become one: [of each vertex, the first at its place]. */
+/** Merges vertices at equal positions: [for each vertex, the first at its position]. */
 function weld(vertices) {
   const first = new Map();
   return Uint32Array.from({ length: vertices.length / 3 }, (_, vertex) => {
@@ -20,9 +20,9 @@ function weld(vertices) {
 }
 
 /**
- * A triangle mesh, in a tree of boxes, with a normal of each face, edge and vertex that tells its
- * two sides apart for all points nearest to it.
- * Source: Baerentzen and Aanaes, IEEE Trans. Visualization and Computer Graphics 2005.
+ * A triangle mesh in a tree of bounding boxes. Each face, edge and vertex has a normal that gives
+ * the correct sign for all points nearest to it. Source: Baerentzen and Aanaes, IEEE Trans.
+ * Visualization and Computer Graphics 2005.
  */
 export class Surface {
   #vertices; // x, y, z of each
@@ -34,13 +34,14 @@ export class Surface {
   #best = { squared: 0, triangle: -1, feature: kInside, x: 0, y: 0, z: 0 };
   #nearest = { feature: kInside, x: 0, y: 0, z: 0 };
 
-  /** Whether it bounds a solid: every edge is in two triangles, in opposite directions. */
+  /** Whether the mesh bounds a solid: every edge is in two triangles, in opposite directions. */
   isClosed;
 
   /**
    * vertices  x, y, z of each
-   * indices   three vertices of each triangle, counterclockwise as seen from outside; null: each
-   *           three vertices are one. A closed mesh may be wound the other way as a whole.
+   * indices   three vertices of each triangle, counterclockwise as seen from outside; null: every
+   *           three vertices are a triangle. A closed mesh may have the opposite winding as a
+   *           whole.
    */
   constructor(vertices, indices) {
     this.#vertices = Float64Array.from(vertices);
@@ -63,7 +64,7 @@ export class Surface {
     return this.#corners.length / 3;
   }
 
-  /** Normal of a triangle as it is wound: { x, y, z: unit vector, length: twice the area }. */
+  /** Normal of a triangle from its winding: { x, y, z: unit vector, length: twice the area }. */
   #crossProduct(corners, triangle) {
     const v = this.#vertices;
     const a = 3 * corners[3 * triangle];
@@ -78,7 +79,7 @@ export class Surface {
     return { x: x / length, y: y / length, z: z / length, length };
   }
 
-  /** Order triangles such that each half of each node is one side of its longest axis. */
+  /** Sorts triangles such that each half of each node is one side of its longest axis. */
   #sort(corners, triangles) {
     const centers = new Float64Array(corners.length);
     for (let i = 0; i < corners.length; ++i) {
@@ -122,7 +123,9 @@ export class Surface {
     }
   }
 
-  /** Faces' own; at edges the sum of both; at vertices the sum weighted by the angle there. */
+  /**
+   * Normals of faces; at edges the sum of both; at vertices the sum weighted by the angle there.
+   */
   #findNormals() {
     const [v, corners, num] = [this.#vertices, this.#corners, this.numTriangles];
     const faces = new Float64Array(3 * num);
@@ -165,10 +168,10 @@ export class Surface {
   }
 
   /**
-   * Distance of a point, positive outside. An open mesh has no outside: there it is positive where
-   * the nearest face looks.
+   * Signed distance of a point, positive outside. An open mesh has no outside: there the distance
+   * is positive on the front side of the nearest face.
    *
-   * most  beyond it: NaN
+   * most  larger distances give NaN
    */
   distance(x, y, z, most) {
     const best = this.#best;
@@ -242,7 +245,7 @@ export class Surface {
 
 const halfOf = (first, end) => first + ((end - first) >> 1);
 
-/** Nodes of a tree that halves so many triangles. */
+/** The number of nodes of a tree that halves this many triangles. */
 function nodesFor(count) {
   let levels = 0;
   for (let most = count; most > kLeaf; most -= most >> 1) ++levels;
@@ -284,7 +287,7 @@ function selectMedian(triangles, centers, axis, first, end) {
   }
 }
 
-/** Angle at a of the triangle a, b, c, which are places in v. */
+/** Angle at a of the triangle a, b, c, which are indices into v. */
 function angleAt(v, a, b, c) {
   const dot = (from, to) =>
     kCorners.reduce((sum, k) => sum + (v[from + k] - v[a + k]) * (v[to + k] - v[a + k]), 0);
@@ -295,7 +298,7 @@ function angleAt(v, a, b, c) {
 /**
  * The point of a triangle that is nearest to x, y, z.
  *
- * a, b, c  places of its corners in v
+ * a, b, c  indices of its corners in v
  * out      { x, y, z, feature }
  * Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
  */
@@ -354,13 +357,13 @@ function findNearest(v, a, b, c, x, y, z, out) {
 }
 
 /**
- * Distances of points to the nearest of posed surfaces, of either sign.
+ * Signed distances of points to the nearest of several posed surfaces.
  *
  * positions  x, y, z of each point
  * targets    [{ surface, pose: the 16 numbers, column by column, of a similarity from the surface's
  *            points to these }]
- * band       beyond it: NaN
- * out        a distance for each point from `first` up to `end`
+ * band       larger distances give NaN
+ * out        receives a distance for each point from `first` up to `end`
  */
 export function findDistances(positions, targets, band, out, first = 0, end = out.length) {
   const scaled = targets.map((target) => {

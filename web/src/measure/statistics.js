@@ -1,6 +1,6 @@
-/** Figures of signed distances; NaN is no distance. */
+/** Statistics of signed distances; NaN is ignored. */
 
-/** The value that this share of sorted ones does not exceed, between two of them if need be. */
+/** The quantile of sorted values at this fraction, interpolated between two of them. */
 export function quantile(sorted, share) {
   const at = share * (sorted.length - 1);
   const [below, above] = [sorted[Math.floor(at)], sorted[Math.ceil(at)]];
@@ -25,7 +25,7 @@ export function figuresOf(distances) {
   };
 }
 
-/** How many distances are at most `limit` of either sign. */
+/** The number of distances with a magnitude of at most `limit`. */
 export function countWithin(distances, limit) {
   let count = 0;
   for (let i = 0; i < distances.length; ++i) count += Math.abs(distances[i]) <= limit;

@@ -1,6 +1,6 @@
 /**
- * What edits one value. Each has an `element` that the form knows by the parameter's name, and a
- * `text`, as in a query; "": nothing is said.
+ * Editors of one value. Each has an `element`, which the form finds by the parameter's name, and a
+ * `text`, as in a query; "": no value.
  */
 import { element } from "../dom.js";
 
@@ -15,7 +15,7 @@ export class NumberField {
     });
   }
 
-  /** What cannot be read as a number stays what it is: a fault. */
+  /** A text that is not a number stays unchanged and is reported as a fault. */
   get text() {
     return this.element.validity.badInput ? "no number" : this.element.value;
   }

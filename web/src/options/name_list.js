@@ -2,7 +2,7 @@ import { element, moveByArrows } from "../dom.js";
 
 const kFew = 8; // names are found without a search
 
-/** Names to tick; none is ticked: what is usual. */
+/** Names with check boxes; none checked: the default. */
 export class NameList {
   #list = element("ul", { className: "names" });
   #count = element("p", { className: "dim", role: "status" });
@@ -29,7 +29,7 @@ export class NameList {
     return this.#boxes.map(({ value }) => value);
   }
 
-  /** What is ticked stays so, if it is still there. */
+  /** Checked names stay checked if they still exist. */
   set names(names) {
     const ticked = this.text.split(",");
     this.#boxes = names.map((value) =>

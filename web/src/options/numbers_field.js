@@ -2,7 +2,7 @@ import { element } from "../dom.js";
 
 const kAxes = ["x", "y", "z"];
 
-// What the numbers of a list are: rows of them.
+// The names of the rows of numbers in a list.
 const kRows = {
   region: [
     ["from", kAxes],
@@ -18,12 +18,12 @@ const kRows = {
 const kLengths = ["region", "explain"]; // in the scan's unit
 const numbered = (count) => [["", Array.from({ length: count }, (_, k) => String(k + 1))]];
 
-/** So many numbers, or none. */
+/** A fixed number of numbers, or none. */
 export class NumbersField {
   #inputs = [];
   #unit = element("span");
 
-  /** label  of all of them */
+  /** label  of all numbers together */
   constructor({ name, schema }, label) {
     const rows = (kRows[name] ?? numbered(schema.maxItems)).map(([words, columns]) =>
       element(
@@ -48,7 +48,7 @@ export class NumbersField {
     return input;
   }
 
-  /** Of the scan. */
+  /** Unit of the scan. */
   set unit(unit) {
     this.#unit.textContent = ` [${unit}]`;
   }

@@ -14,14 +14,14 @@ const kFields = {
 };
 const kFlags = { true: "on", false: "off" };
 
-/** One parameter, and its place in the form: a field with its name, what it means, and a reset. */
+/** One parameter and its position in the form: a field with its name, its meaning and a reset. */
 export class Option {
   #parameter;
   #field;
   #usual;
   #reset = element("button", { type: "button", className: "plain", hidden: true });
 
-  /** onReset()  is called after the user took it back */
+  /** onReset()  is called after the user resets the parameter */
   constructor(parameter, onReset) {
     this.#parameter = parameter;
     const label = labelOf(parameter);
@@ -54,21 +54,21 @@ export class Option {
     return this.#parameter["x-group"];
   }
 
-  /** What the form shows, also where nothing is set. */
+  /** The displayed text, even if no value is set. */
   get shown() {
     return this.#field.text;
   }
 
-  /** What takes the focus. */
+  /** The element that receives the focus. */
   get input() {
     const { element: edits } = this.#field;
     return edits.matches("fieldset") ? edits.querySelector("input:not([hidden])") : edits;
   }
 
-  /** Whether it says something else than what is usual. */
+  /** Whether the value differs from the default. */
   get isSet() {
     const { text } = this.#field;
-    // A choice always shows something; what was typed is meant, also where it is the usual.
+    // A choice always shows a value. A typed value is intended, even if it equals the default.
     return text !== "" && (this.#isTyped || text !== this.#usual);
   }
 
@@ -76,7 +76,7 @@ export class Option {
     return !["choice", "boolean"].includes(kindOf(this.#parameter));
   }
 
-  /** As in a query; "": as usual. */
+  /** The value as in a query; "": the default. */
   get text() {
     return this.isSet ? this.#field.text : "";
   }
@@ -86,18 +86,18 @@ export class Option {
     this.mark();
   }
 
-  /** Of the scan. */
+  /** Unit of the scan. */
   set unit(unit) {
     this.#field.unit = unit;
   }
 
-  /** Of a list of names: those that there are. */
+  /** The available names of a list of names. */
   set names(names) {
     this.#field.names = names;
     this.mark();
   }
 
-  /** What is wrong with a text, as a sentence; null: nothing. */
+  /** The fault of a text, as a sentence; null: none. */
   faultOf(text) {
     return faultOf(this.#parameter, text, this.#field.names);
   }
@@ -106,7 +106,7 @@ export class Option {
     return this.isSet ? this.faultOf(this.#field.text) : null;
   }
 
-  /** Take another default, else the parameter's own; what was set stays. */
+  /** Uses another default, or the parameter's default; a set value stays. */
   takeUsual(usual = usualOf(this.#parameter)) {
     if (usual === this.#usual) return;
     const wasSet = this.#usual !== undefined && this.isSet;
@@ -118,7 +118,7 @@ export class Option {
     if (!wasSet) this.text = "";
   }
 
-  /** Show whether it is set. */
+  /** Shows whether the option is set. */
   mark() {
     this.row.classList.toggle("set", this.isSet);
     this.#reset.hidden = !this.isSet;

@@ -4,7 +4,7 @@ import { Option } from "./option.js";
 
 const kOpen = ["Answers", "What is searched"]; // the others are for research
 
-/** The options of a recognition that the form has no field of its own for, below headings. */
+/** The options of recognition without a dedicated field in the form, below headings. */
 export class Options {
   #presets;
   #groups = [];
@@ -12,9 +12,9 @@ export class Options {
   #isNarrow = false;
 
   /**
-   * parameters  as the service describes them
-   * models      names of the library's
-   * onChange()  is called after one is changed by the page; the form tells of the user's changes
+   * parameters  as described by the service
+   * models      names of the library's models
+   * onChange()  is called after the page changes an option; the form reports the user's changes
    */
   constructor(parameters, models, onChange) {
     this.onChange = onChange;
@@ -22,7 +22,7 @@ export class Options {
     this.#presets = parameters.find(({ name }) => name === "preset")["x-presets"];
     this.models = models;
     byId("options").replaceChildren(...this.#groups.map(({ box }) => box));
-    // While one types: later, a mark that appears would push buttons from under the pointer.
+    // Delayed during typing: a mark that appears would move buttons from under the pointer.
     byId("options").addEventListener("input", () => this.#arrange());
     const search = byId("option-search");
     search.addEventListener("input", () => this.#narrow(search.value));
@@ -66,43 +66,43 @@ export class Options {
     this.#arrange();
   }
 
-  /** Of the scan. */
+  /** Unit of the scan. */
   set unit(unit) {
     for (const option of this.#all.values()) option.unit = unit;
   }
 
-  /** undefined: none of this name */
+  /** undefined: no option with this name */
   get(name) {
     return this.#all.get(name);
   }
 
-  /** Set one, as in a query; "": as usual. */
+  /** Sets an option, as in a query; "": the default. */
   set(name, text) {
     this.#all.get(name).text = text;
     this.#arrange();
     this.onChange();
   }
 
-  /** All as usual. */
+  /** Resets all options. */
   reset() {
     for (const option of this.#all.values()) option.text = "";
     this.#arrange();
   }
 
-  /** [name, value] of each that is set. */
+  /** [name, value] of each option that is set. */
   changed() {
     return [...this.#all.values()]
       .filter((option) => option.isSet)
       .map(({ name, text }) => [name, text]);
   }
 
-  /** The first that cannot be sent, and what it needs: { field, message }; null: none. */
+  /** The first option with an invalid value, and the fix: { field, message }; null: none. */
   fault() {
     const wrong = [...this.#all.values()].find((option) => option.fault);
     return wrong ? { field: wrong.input, message: wrong.fault } : null;
   }
 
-  /** Let one be seen. */
+  /** Makes an option visible. */
   open(field) {
     const group = this.#groups.find(({ box }) => box.contains(field));
     if (!group) return;
@@ -110,7 +110,7 @@ export class Options {
     group.box.open = true;
   }
 
-  /** Take over what the preset says, and tell what is set. */
+  /** Applies the preset's defaults, and shows which options are set. */
   #arrange() {
     const preset = this.#presets[this.#all.get("preset").shown];
     for (const option of this.#all.values()) {
@@ -126,7 +126,7 @@ export class Options {
     byId("options-reset").hidden = !all;
   }
 
-  /** Show only those that all words are of. */
+  /** Shows only the options that match all words. */
   #narrow(text) {
     const words = text.toLowerCase().split(/\s+/).filter(Boolean);
     let found = 0;

@@ -1,4 +1,4 @@
-/** Parameters of a request, as the service describes them; values are texts, as in a query. */
+/** Parameters of a request, as described by the service; values are texts, as in a query. */
 
 /** "number", "integer", "boolean", "choice", "numbers" or "names" */
 export function kindOf({ schema }) {
@@ -13,10 +13,10 @@ export function labelOf(parameter) {
   return label[0].toUpperCase() + label.slice(1) + (unit ? ` [${unit}]` : "");
 }
 
-/** What a request says that does not name it, as a text; "": that is told by usualWords. */
+/** The default of a parameter, as a text; "": usualWords describes it. */
 export const usualOf = ({ schema }) => String(schema.default ?? "");
 
-/** "all", "2 to 7, by the scan's noise", …: what it means that there is no value. */
+/** "all", "2 to 7, by the scan's noise", …: the meaning of an unset value. */
 export const usualWords = ({ description }) => description.match(/Absent: (.*)\.$/)?.[1] ?? "none";
 
 export const isNumber = (text) => text.trim() !== "" && Number.isFinite(Number(text));
@@ -48,9 +48,9 @@ function expectedOfNumbers({ minItems, maxItems }, text) {
 }
 
 /**
- * What is wrong with a value, as a sentence; null: nothing.
+ * The fault of a value, as a sentence; null: none.
  *
- * names  that a list may hold
+ * names  the allowed names of a list
  */
 export function faultOf(parameter, text, names = []) {
   const { schema } = parameter;
@@ -66,7 +66,7 @@ export function faultOf(parameter, text, names = []) {
   return expected && `${labelOf(parameter)}: expected ${expected}, found “${text}”.`;
 }
 
-/** What it does, and what it may be. */
+/** The effect of a parameter, and its range. */
 export function helpOf(parameter) {
   const range = rangeWords(parameter.schema);
   const unit = parameter["x-unit"];

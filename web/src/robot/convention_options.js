@@ -1,6 +1,6 @@
 import { element } from "../dom.js";
 import { kConventions } from "./conventions.js";
 
-/** Conventions to choose one of, for a `select`. */
+/** The selectable conventions, as options of a `select`. */
 export const conventionOptions = () =>
   Object.entries(kConventions).map(([value, { label }]) => element("option", { value }, label));

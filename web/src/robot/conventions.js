@@ -1,4 +1,4 @@
-/** Poses as controllers of robots take them: the numbers of `trivet recognize --robot-csv`. */
+/** Poses in the conventions of robot controllers: the numbers of `trivet recognize --robot-csv`. */
 
 import { unitScale } from "../units.js";
 
@@ -8,7 +8,7 @@ const kUpright = 1 - 1e-12; // sine of a second angle that leaves the other two 
 /**
  * The unit quaternion [x, y, z, w], w >= 0, of a rotation.
  *
- * rows  of the matrix; those of floats are only nearly orthonormal
+ * rows  of the matrix, which is only nearly orthonormal if it was stored as floats
  * Source: Shepperd, J. Guidance and Control, 1978, with the branches of Eigen.
  */
 export function quaternionOf(rows) {
@@ -42,7 +42,7 @@ function rotationOf([x, y, z, w]) {
   ];
 }
 
-/** Angles about the fixed axes x, y, z, in this order; where they are not determined, x is 0. */
+/** Angles about the fixed axes x, y, z, in this order; where they are undetermined, x is 0. */
 function fixedAngles(q) {
   const r = rotationOf(q);
   const sine = -r[2][0];
@@ -61,7 +61,7 @@ function rotationVector([x, y, z, w]) {
   return [x, y, z].map((value) => value * perSine);
 }
 
-/** label; names and unit of the orientation's numbers; length: unit of the position's */
+/** label; names and unit of the orientation's numbers; length: unit of the position */
 export const kConventions = {
   quaternion: {
     label: "ROS: quaternion",

@@ -1,4 +1,4 @@
-/** Frames that are given by users: of the scan as seen from the robot, and of grasps. */
+/** Frames given by users: the scan's pose in the robot frame, and grasps. */
 
 const kLoose = 0.01; // of an entry of a rotation, as written by calibrations
 const kShortestInMm = 10; // a robot that is nearer to its scans was told meters
@@ -6,17 +6,17 @@ const kLongestInM = 50; // one that is farther was told millimeters
 const kNearestGrasp = { share: 0.1, mm: 1 }; // of the diameter, and in mm: what is less was told in m
 const kFarthestGrasp = { share: 10, m: 1 };
 
-/** The name of the scan's own frame, in tables. */
+/** The name of the scan frame in tables. */
 export const kSceneFrame = "scene";
 
-/** Rows of a frame, one a line; "" of none. */
+/** The rows of a frame, one per line; "" for none. */
 export const frameText = (rows) => (rows ? rows.map((row) => row.join(" ")).join("\n") : "");
 
-/** Of two poses given by four rows. */
+/** The product of two poses given by four rows. */
 export const product = (a, b) =>
   a.map((row) => b[0].map((_, k) => row.reduce((sum, x, j) => sum + x * b[j][k], 0)));
 
-/** Of a pose in one unit in another. */
+/** A pose converted to another unit. */
 export const scaled = (rows, scale) =>
   rows.map((row, k) => (k < 3 ? [row[0], row[1], row[2], scale * row[3]] : row));
 
@@ -42,13 +42,13 @@ function checkedFrame(numbers) {
   return rows;
 }
 
-// null, texts and truth values of JSON are no numbers, though Number() makes some of them.
+// null, strings and booleans of JSON are rejected, though Number() converts some of them.
 const numbersIn = (json) =>
   Array.isArray(json) ? json.flat(2).map((value) => (typeof value === "number" ? value : NaN)) : [];
 
 const lengthOf = (rows) => Math.hypot(...rows.slice(0, 3).map((row) => row[3]));
 
-/** The unit that a calibration read in this unit looks like, if that is another one; else null. */
+/** The other unit, if a calibration read in this unit probably has that one; otherwise null. */
 export function likelierUnit(rows, unit) {
   const length = lengthOf(rows);
   if (unit === "mm" && length > 0 && length < kShortestInMm) return "m";
@@ -56,8 +56,8 @@ export function likelierUnit(rows, unit) {
 }
 
 /**
- * The first model whose grasps, read in the library's unit, look like those in another one:
- * { model, length: of the longest, unit: the other }, or null.
+ * The first model whose grasps, read in the library's unit, probably have the other unit: { model,
+ * length: of the longest, unit: the other }, or null.
  */
 export function likelierGraspUnit(grasps, { library, models }) {
   for (const { name, diameter } of models) {
@@ -70,7 +70,7 @@ export function likelierGraspUnit(grasps, { library, models }) {
   return null;
 }
 
-/** Errors: a name that files and tables could not have, or that is the scan's own frame's. */
+/** Errors: a name that files and tables cannot contain, or that names the scan frame. */
 export function checkedName(name) {
   if (!/^[A-Za-z][\w-]{0,63}$/.test(name) || name.toLowerCase() === kSceneFrame) {
     throw new Error(
@@ -83,8 +83,8 @@ export function checkedName(name) {
 /**
  * The four rows of a frame.
  *
- * text  of JSON, or numbers parted by spaces, commas or lines
- * Errors: other than a rotation and a place.
+ * text  JSON, or numbers separated by spaces, commas or lines
+ * Errors: not a rotation and a position.
  */
 export function readFrame(text) {
   let numbers;
@@ -97,10 +97,10 @@ export function readFrame(text) {
 }
 
 /**
- * Grasps by model, and by name in the order of the names: the file that `trivet recognize --grasps`
- * takes.
+ * Grasps by model, and by name in the order of the names: the file format of `trivet recognize
+ * --grasps`.
  *
- * Errors: no JSON of {"MODEL": {"GRASP": rows}}; a frame that is none, with its name.
+ * Errors: not JSON of {"MODEL": {"GRASP": rows}}; an invalid frame, with its name.
  */
 export function readGrasps(text) {
   const isObject = (json) => json !== null && typeof json === "object" && !Array.isArray(json);

@@ -5,7 +5,7 @@ import { conventionOptions } from "./convention_options.js";
 const kDigits = { mm: 2, m: 5, deg: 3, rad: 5, "": 5 }; // after the point, by unit
 const kCopiedDigits = 12;
 
-/** One number a line, with its name and unit. */
+/** One number per line, with its name and unit. */
 const copiedText = (numbers) =>
   numbers
     .map(({ name, value, unit }) => `${name} ${Number(value.toPrecision(kCopiedDigits))} ${unit}`)
@@ -28,14 +28,14 @@ function poseView({ grasp, numbers }, frameName) {
   return element("div", {}, element("p", {}, title), numberTerms(numbers), copy);
 }
 
-/** What of the setup keeps poses from being told. */
+/** The fault of the setup because of which no pose is shown. */
 const refusalView = (refusal) => element("p", { className: "problem" }, `No pose is told. ${refusal}`);
 
 /**
  * The pose of a detection for the user's robot, to read and to copy.
  *
- * about     what it is of: see Robot
- * onChange  called when another convention was chosen here
+ * about     see Robot
+ * onChange  called when another convention is selected here
  */
 export function robotPoseView(robot, detection, about, onChange) {
   const select = element("select", {}, conventionOptions());

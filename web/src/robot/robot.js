@@ -26,7 +26,7 @@ const kDefaults = {
   graspsUnit: "",
 };
 
-/** What was kept, as far as it can be read; of a frame, the text as it was typed. */
+/** The stored setup, as far as it is readable; a frame is stored as typed. */
 function remembered() {
   try {
     const { frame, grasps, ...others } = JSON.parse(recall(kRemembered));
@@ -42,11 +42,11 @@ const rounded = (value) => Number(value.toPrecision(kDigits));
 const csvField = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : `${value}`);
 
 /**
- * What poses are told to: how its controller writes them, where it stands, what it grasps.
+ * The robot for which poses are shown: the convention of its controller, its frame, its grasps.
  *
- * What was refused, or is asked about, is part of the setup: no pose is told while it is, since
- * that could only be by a frame that the user has given up. `about` is what poses are of:
- * { scan, library: units, models: [{ name, diameter }] }.
+ * A refused or doubtful input is part of the setup. No pose is shown meanwhile, since it could only
+ * be in a frame that the user has given up. `about` describes the subject of the poses: { scan,
+ * library: units, models: [{ name, diameter }] }.
  */
 export class Robot {
   #setup = remembered();
@@ -60,23 +60,23 @@ export class Robot {
   /**
    * { convention; frame: its text, "" for none; frameName; grasps: frames in the library's unit, by
    * model and name; graspsFault: why the last file of them was refused, or "" }, and frameUnit,
-   * graspsUnit: the unit in which the user said that unlikely lengths are right, or ""
+   * graspsUnit: the unit for which the user confirmed unlikely lengths, or ""
    */
   get setup() {
     return this.#setup;
   }
 
-  /** The name of the frame that poses are in. */
+  /** The name of the frame of the poses. */
   get frameName() {
     return this.#setup.frame.trim() ? this.#setup.frameName : kSceneFrame;
   }
 
-  /** Why the frame is refused, in a sentence; else "". */
+  /** Why the frame is refused, in a sentence; otherwise "". */
   get frameFault() {
     return this.#fault;
   }
 
-  /** Change some of the setup; the browser remembers it. */
+  /** Changes part of the setup; the browser stores it. */
   change(some) {
     const asked = { ...("frame" in some && { frameUnit: "" }), ...("grasps" in some && { graspsUnit: "" }) };
     this.#setup = { ...this.#setup, ...asked, ...some };
@@ -98,8 +98,8 @@ export class Robot {
   }
 
   /**
-   * What looks like lengths in another unit, to be asked about: { words, unit: as it is read, likelier:
-   * the other, accept(), convert() }, or null.
+   * Lengths that probably have another unit, to be confirmed: { words, unit: as read, likelier: the
+   * other, accept(), convert() }, or null.
    */
   doubt(about) {
     const { frameUnit, grasps, graspsUnit } = this.#setup;
@@ -139,16 +139,16 @@ export class Robot {
     };
   }
 
-  /** Why no pose is told, in a sentence; "" when poses are. */
+  /** Why no pose is shown, in a sentence; "" when poses are. */
   refusal(about) {
     return this.#fault || this.#setup.graspsFault || (this.doubt(about)?.words ?? "");
   }
 
   /**
-   * What the robot is told of a detection: [{ grasp, numbers: [{ name, value, unit }] }], one for
-   * each grasp of its model, or one of no name for the model's own frame.
+   * The robot poses of a detection: [{ grasp, numbers: [{ name, value, unit }] }], one for each
+   * grasp of its model, or one without a name for the model frame.
    *
-   * Errors: the setup is refused, or asked about.
+   * Errors: the setup is refused, or needs confirmation.
    */
   poses({ model, T_scene_model }, about) {
     const refusal = this.refusal(about);
@@ -164,7 +164,7 @@ export class Robot {
     }));
   }
 
-  /** The table of `trivet recognize --robot-csv`. Errors: as of poses(). */
+  /** The table of `trivet recognize --robot-csv`. Errors: those of poses(). */
   table(scene, detections, about) {
     const { names, length } = kConventions[this.#setup.convention];
     const places = [..."xyz"].map((axis) => `${axis} [${length}]`);

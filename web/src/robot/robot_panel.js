@@ -7,14 +7,14 @@ import { frameText, readFrame, readGrasps } from "./frames.js";
 
 const kNoTable = "There is no table while the setup is refused: see above.";
 
-/** What the poses found are told to, and all of them as its table. */
+/** The robot setup, and a table of all found poses. */
 export class RobotPanel {
   #robot;
   #onChange;
   #form = byId("robot");
   #answer = null; // { scene: its name, detections, about: see Robot }
 
-  /** onChange  called when poses are told otherwise */
+  /** onChange  called when the form of the poses changes */
   constructor(robot, onChange) {
     this.#robot = robot;
     this.#onChange = onChange;
@@ -38,14 +38,16 @@ export class RobotPanel {
     this.refresh();
   }
 
-  /** Offer the table of an answer, { scene: its name, detections, about: see Robot }; null: of none. */
+  /**
+   * Offers the table of an answer, { scene: its name, detections, about: see Robot }; null: none.
+   */
   show(answer) {
     this.#answer = answer;
     byId("robot-box").hidden = !answer?.detections.length;
     this.refresh();
   }
 
-  /** Show the setup as it is. */
+  /** Shows the current setup. */
   refresh() {
     const { convention, grasps, graspsFault } = this.#robot.setup;
     const { frameFault } = this.#robot;
@@ -74,13 +76,13 @@ export class RobotPanel {
     this.#onChange();
   }
 
-  /** Take what the field says; what is no frame is refused, and stays there to be mended. */
+  /** Applies the field's content; an invalid frame is refused, and stays to be corrected. */
   #takeFrame() {
     const field = this.#form.elements.frame;
     try {
       if (field.value.trim()) field.value = frameText(readFrame(field.value));
     } catch {
-      // The robot says why.
+      // The robot reports the reason.
     }
     this.#change({ frame: field.value });
   }
@@ -96,7 +98,7 @@ export class RobotPanel {
     }
   }
 
-  /** Ask about lengths that look like those of another unit; null: there are none. */
+  /** Asks about lengths that probably have another unit; null: there are none. */
   #ask(doubt) {
     const settle = (act) => () => {
       act();

@@ -1,7 +1,7 @@
 import { byId, element } from "../dom.js";
 import { numbered } from "../words.js";
 
-/** Marks of what was found: right or wrong, by buttons in the rows or by keys. */
+/** Marks of detections as right or wrong, by buttons in the rows or by keys. */
 export class Marks {
   #rows = new Map(); // by the id of what is found
   #shown = null;
@@ -16,7 +16,7 @@ export class Marks {
     return this.#shown !== null;
   }
 
-  /** Buttons for the row of a detection; null while no kept answer is shown. */
+  /** Buttons for the row of a detection; null if no kept answer is shown. */
   buttonsFor(id) {
     if (!this.isOn) return null;
     const index = Number(id.split("-")[1]);
@@ -36,7 +36,7 @@ export class Marks {
     return element("p", { className: "verdicts" }, buttons.right, buttons.wrong);
   }
 
-  /** The rows to come are of a kept answer, or of none. */
+  /** Sets whether the next rows belong to a kept answer. */
   expect(isKept) {
     this.#rows.clear();
     this.#shown = isKept ? [] : null;
@@ -44,8 +44,8 @@ export class Marks {
   }
 
   /**
-   * verdicts  of the detections that are shown: true, false or null
-   * isTold    whether the truth of the scan is
+   * verdicts  of the displayed detections: true, false or null
+   * isTold    whether the scan's truth is known
    */
   show(verdicts, isTold) {
     this.#shown = verdicts;
@@ -68,12 +68,12 @@ export class Marks {
     return isTold ? "The truth of this scan is kept." : "Nothing is found: is that right?";
   }
 
-  /** Mark what is selected; id  null: nothing is */
+  /** Marks the selected detection; id  null: none is selected */
   mark(id, right) {
     if (this.isOn && id?.startsWith("found-")) this.#toggle(Number(id.split("-")[1]), right);
   }
 
-  /** The id of the next detection that is not marked; null: there is none other. */
+  /** The id of the next unmarked detection; null: there is no other. */
   openAfter(id) {
     if (!this.isOn || !id?.startsWith("found-")) return null;
     const index = Number(id.split("-")[1]);
@@ -82,7 +82,7 @@ export class Marks {
     return next === undefined ? null : `found-${next}`;
   }
 
-  /** Whatever is not marked is right. */
+  /** Marks all unmarked detections as right. */
   markAll() {
     if (!this.isOn || byId("all-right").disabled) return;
     const open = this.#shown.flatMap((verdict, index) => (verdict === null ? [index] : []));

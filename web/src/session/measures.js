@@ -1,11 +1,12 @@
-/** What poses of a model are compared by: see poseDistance. */
+/** The model properties used to compare poses: see poseDistance. */
 import { unitScale } from "../units.js";
 
 /**
- * meshes         whose bounding boxes tell where the middle of a model is
+ * meshes         whose bounding boxes give the centers of models
  * library        { unit, models }
  * unit           of the poses
- * Returns a function that gives by name what poseDistance needs; nothing for models of no library.
+ * Returns a function from a name to the properties for poseDistance; undefined for models not in
+ *   the library.
  */
 export async function measuresOf(names, { meshes, library, unit }) {
   const scale = unitScale(library.unit, unit);

@@ -14,7 +14,9 @@ function bytesWords(bytes) {
   return `${bytes < 10 * kMega ? (bytes / kMega).toFixed(1) : Math.round(bytes / kMega)} MB`;
 }
 
-/** What two runs were asked differently, by the queries of their answers about one scan. */
+/**
+ * The differences between the settings of two runs, from the queries of their answers for one scan.
+ */
 function differenceWords(first, second, queries) {
   if (!queries?.every((query) => query !== undefined)) return "";
   const [a, b] = queries.map((query) => new URLSearchParams(query));
@@ -24,7 +26,7 @@ function differenceWords(first, second, queries) {
   return words.length ? `Set differently: ${words.join("; ")}.` : "Both were asked with the same settings.";
 }
 
-/** Which of two runs finds more of what is right, and whether that may be chance. */
+/** Which of two runs finds more right poses, and whether the difference may be chance. */
 function verdictWords(first, second, { scans, right, onlyA, onlyB, chance, ...all }) {
   if (!scans)
     return "Mark what is right in the scans, and read here which run finds more of it, and how sure that is.";
@@ -44,7 +46,7 @@ function truthWords(truth) {
   return truth.length ? `${truth.length} right` : "nothing right";
 }
 
-/** The tab of the session: its scans, runs over all of them, and two runs side by side. */
+/** The session tab: its scans, the runs over all of them, and a comparison of two runs. */
 export class SessionPanel {
   #session;
   #list = byId("session-scans");
@@ -56,8 +58,8 @@ export class SessionPanel {
 
   /**
    * session  a Session
-   * page     { open(scan, run, answer or null), parameters(scan): of a recognition,
-   *   modelOf(names): promises what poses of these models are compared by, by name }
+   * page     { open(scan, run, answer or null), parameters(scan): of a recognition, modelOf(names):
+   *          promises the properties of these models for comparing poses, by name }
    */
   constructor(session, page) {
     this.#session = session;
@@ -75,12 +77,12 @@ export class SessionPanel {
     this.show();
   }
 
-  /** Whose answers are opened; empty: there is none. */
+  /** The run whose answers are opened; empty: none. */
   get run() {
     return byId("run-shown").value;
   }
 
-  /** Tell all anew. */
+  /** Updates the whole panel. */
   show() {
     const session = this.#session;
     const { used, allowed } = session.bytes;
@@ -116,7 +118,7 @@ export class SessionPanel {
     (this.#list.querySelector("button.scan[tabindex='0']") ?? byId("run-all")).focus();
   }
 
-  /** Keep scans, one after the other. */
+  /** Adds scans to the session, one after the other. */
   add(scans) {
     const told = (count) => {
       this.#progress(count, scans.length, `${count} of ${scans.length} kept`);
@@ -128,7 +130,7 @@ export class SessionPanel {
     });
   }
 
-  /** Recognize each scan with the present settings, and keep the answers as a new run. */
+  /** Recognizes each scan with the current settings, and keeps the answers as a new run. */
   async runAll() {
     if (this.#running || !this.#session.scans.length) return;
     const session = this.#session;
@@ -166,7 +168,7 @@ export class SessionPanel {
     }
   }
 
-  /** Do what changes the session; a fault is told. */
+  /** Changes the session; an error is shown. */
   async #change(act) {
     this.say("");
     try {
@@ -274,7 +276,7 @@ export class SessionPanel {
     }
   }
 
-  /** Pictures of scans that come into sight, one after the other. */
+  /** Draws thumbnails of scans as they become visible, one after the other. */
   #draw(entries) {
     for (const { isIntersecting, target } of entries) {
       if (!isIntersecting) continue;
@@ -295,7 +297,7 @@ export class SessionPanel {
     drawThumbnail(canvas, positions, from, [r, g, b]);
   }
 
-  /** Two runs side by side, where both have answers. */
+  /** Compares two runs on the scans that both have answers for. */
   async #compare() {
     const [first, second] = [byId("run-a").value, byId("run-b").value];
     if (byId("compare-section").hidden || !first || !second) return;

@@ -5,7 +5,7 @@ import * as client from "./client.js";
 const kLetters = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 const kReading = ["format", "unit", "camera", ...kImageParameters, "viewpoint"];
 
-/** A name that the service takes, and that is not taken: `left_2` after `left`. */
+/** A valid and unused name: `left_2` after `left`. */
 function freeName(file, taken) {
   const stem = file.replace(/(\.gz)?$/i, "").replace(/\.[^.]*$/, "");
   const plain =
@@ -18,13 +18,13 @@ function freeName(file, taken) {
   return name;
 }
 
-/** Whether two lists are of the same detections, however they are marked. */
+/** Whether two lists contain the same detections, regardless of their marks. */
 const hasSame = (some, others) => {
   const posed = (all) => JSON.stringify(all.map(({ model, T_scene_model }) => [model, T_scene_model]));
   return posed(some) === posed(others);
 };
 
-/** The scans that the service keeps, what runs found in them, and what of that is right. */
+/** The scans kept by the service, the detections of runs in them, and which of these are right. */
 export class Session {
   #index;
   #answers = new Map(); // { answer, version }, by run and scan
@@ -53,13 +53,13 @@ export class Session {
     return this.scans.find((scan) => scan.name === name);
   }
 
-  /** What a run found in a scan: { found, seconds }; nothing: it has no answer for it. */
+  /** The summary of a run's answer for a scan: { found, seconds }; undefined: no answer. */
   summary(run, scan) {
     const answers = this.#index.runs.find(({ name }) => name === run)?.answers;
     return answers?.find((answer) => answer.scan === scan);
   }
 
-  /** Scans that a run has answers for, by name. */
+  /** The names of the scans with an answer of this run. */
   scansOf(run) {
     return this.#index.runs.find(({ name }) => name === run)?.answers.map(({ scan }) => scan) ?? [];
   }
@@ -69,9 +69,9 @@ export class Session {
   }
 
   /**
-   * Keep files.
+   * Adds files to the session.
    *
-   * parametersOf(format)  gives how a scan of this format is read
+   * parametersOf(format)  returns how a scan of this format is read
    * onDone(count)         is called after each
    */
   async add(scans, parametersOf, onDone) {
@@ -124,7 +124,7 @@ export class Session {
     await this.refresh();
   }
 
-  /** The name of a run to come: A, B, ... */
+  /** The name of the next run: A, B, ... */
   nextRun() {
     const taken = new Set(this.runs);
     const letter = [...kLetters].find((name) => !taken.has(name));
@@ -134,7 +134,7 @@ export class Session {
     return `R${k}`;
   }
 
-  /** Parameters to recognize a scan with: these settings, read as the session says. */
+  /** Parameters to recognize a scan with these settings, read as stored in the session. */
   parametersFor(scan, settings) {
     const parameters = new URLSearchParams(settings);
     const query = new URLSearchParams(scan.query);
@@ -146,8 +146,8 @@ export class Session {
   }
 
   /**
-   * What each detection of an answer is known to be, by its own mark, else by the scan's truth:
-   * true (right), false (wrong) or null.
+   * Whether each detection of an answer is right, by its mark or else by the scan's truth: true
+   * (right), false (wrong) or null.
    */
   verdicts(scan, detections, modelOf) {
     const truth = this.scan(scan).truth ?? [];
@@ -156,11 +156,11 @@ export class Session {
   }
 
   /**
-   * Mark detections of a kept answer, and tell the truth once all of them are marked. Where somebody
-   * else marked the scan meanwhile, these marks are put over those.
+   * Marks detections of a kept answer, and saves the truth once all of them are marked. If another
+   * user marked the scan meanwhile, these marks override those.
    *
    * marks  { index: true, false, or null for not marked }
-   * Returns whether somebody else did. Errors: those of the service; the answer is another one now.
+   * Returns whether another user did. Errors: those of the service; the answer has changed.
    */
   async mark(run, scan, marks, modelOf) {
     const isStaleAnswer = await this.#markAnswer(run, scan, marks);
@@ -170,7 +170,7 @@ export class Session {
     return isStaleAnswer || isStaleTruth;
   }
 
-  /** Put marks into a kept answer, whichever is there. Returns whether that was another one. */
+  /** Adds marks to the current kept answer. Returns whether that had changed. */
   async #markAnswer(run, scan, marks) {
     const key = `${run}/${scan}`;
     const { detections: seen } = (await this.answer(run, scan)).scenes[0];
@@ -197,8 +197,8 @@ export class Session {
   }
 
   /**
-   * Tell the truth of a scan, once all detections of a kept answer are marked. What they say replaces
-   * what the truth says of the same places. Returns whether it was another one than this one knew.
+   * Saves the truth of a scan, once all detections of a kept answer are marked. The marks replace
+   * the truth at the same positions. Returns whether the truth had changed since it was read.
    */
   async #tellTruth(run, scan, marks, modelOf) {
     const { detections } = (await this.answer(run, scan)).scenes[0];

@@ -8,7 +8,7 @@ import { Session } from "./session.js";
 
 const kMerged = " It was marked elsewhere meanwhile: both are kept, and yours where they differ.";
 
-/** What the page shows of the session that the service keeps, if it keeps one. */
+/** The page's part of the session kept by the service, if there is one. */
 export class SessionTab {
   #session = null;
   #panel = null;
@@ -41,7 +41,7 @@ export class SessionTab {
     return this.#session !== null;
   }
 
-  /** Keep what was dropped. scans, camera: see readScans */
+  /** Adds dropped scans. scans, camera: see readScans */
   add(scans, camera) {
     this.page.adopt(scans[0], camera);
     const fault = this.page.fault(scans[0]);
@@ -53,12 +53,12 @@ export class SessionTab {
     this.#panel.focus();
   }
 
-  /** Another answer is to come: nothing of it is kept unless show() says so. */
+  /** A different answer follows: it is not a kept one unless show() says so. */
   leave() {
     this.#marks.expect(false);
   }
 
-  /** The answer that is to be shown now may be one of the session's. */
+  /** The answer to be shown next may belong to the session. */
   enter(answer) {
     this.#marks.expect(this.#kept?.answer === answer);
   }
@@ -67,7 +67,7 @@ export class SessionTab {
     return this.#marks.buttonsFor(id);
   }
 
-  /** Show what is marked of an answer, once its rows are there, if it is one of the session's. */
+  /** Shows the marks of an answer once its rows exist, if it belongs to the session. */
   async show(answer = this.#kept.answer) {
     if (this.#kept?.answer !== answer) return;
     const { scan, detections } = this.#kept;
@@ -77,7 +77,10 @@ export class SessionTab {
     this.#marks.show(this.#session.verdicts(scan, detections, modelOf), isTold);
   }
 
-  /** What keys do: nothing while no kept answer is shown. The next one has its turn. */
+  /**
+   * The action of the mark keys: none while no kept answer is shown. Then selects the next
+   * detection.
+   */
   mark(right) {
     const id = this.page.selected();
     this.#marks.mark(id, right);
@@ -99,7 +102,7 @@ export class SessionTab {
     return this.page.open(scanOfExample({ name, query, url: scanUrl(name) }), answer);
   }
 
-  /** One change after the other, as each starts from what the last one made of the truth. */
+  /** Makes changes one after the other, as each starts from the truth left by the last. */
   #mark(marks) {
     const kept = this.#kept;
     this.#marking = this.#marking.then(async () => {

@@ -1,4 +1,4 @@
-/** Small pictures of scans, drawn point by point: a list of scans needs no WebGL. */
+/** Thumbnails of scans, drawn point by point: a list of scans needs no WebGL. */
 import { Vector3 } from "three";
 
 import { distanceToSee, frameOf } from "../view/frame.js";
@@ -24,7 +24,7 @@ function quantile(values, share) {
 
 const median = (values) => quantile(values, 0.5);
 
-/** Points as a camera sees them: [x, y, depth] of each, x and y in -1 to 1 where it looks. */
+/** Points in the image of a camera: [x, y, depth] of each, x and y in -1 to 1 within the view. */
 function seenFrom(positions, viewpoint, aspect) {
   const { sample, toWorld, direction } = frameOf(positions, viewpoint);
   const tangents = { across: kUp * aspect, up: kUp };
@@ -43,7 +43,7 @@ function seenFrom(positions, viewpoint, aspect) {
   return seen;
 }
 
-/** The nearest depth of each pixel of a window { x, y: of its middle, zoom }; infinite: none. */
+/** The nearest depth in each pixel of a window { x, y: of its center, zoom }; infinite: none. */
 function depthImage(seen, { width, height }, { x, y, zoom }) {
   const depths = new Float32Array(width * height).fill(Infinity);
   for (let i = 0; i < seen.length; i += 3) {
@@ -59,7 +59,9 @@ function depthImage(seen, { width, height }, { x, y, zoom }) {
   return depths;
 }
 
-/** How a depth image rises to the right and up: [[at, x, y]], not finite beside nothing. */
+/**
+ * The slopes of a depth image to the right and up: [[at, x, y]], not finite next to empty pixels.
+ */
 function slopesOf(depths, { width, height }, zoom) {
   const slopes = [];
   depths.forEach((depth, at) => {
@@ -72,7 +74,10 @@ function slopesOf(depths, { width, height }, zoom) {
   return slopes;
 }
 
-/** Says whether x lies well between the first and the last of the pixels [x, y] of line y. */
+/**
+ * Returns a test of whether x lies well between the first and the last of the pixels [x, y] of row
+ *   y.
+ */
 function withinBorder(pixels) {
   const lines = new Map();
   for (const [x, y] of pixels) {
@@ -82,12 +87,12 @@ function withinBorder(pixels) {
   return (x, y) => x >= lines.get(y)[0] + kBorder && x <= lines.get(y)[1] - kBorder;
 }
 
-/** The window around what stands out of a plain background, or the whole. */
+/** The window around the objects in front of a plain background, or the whole image. */
 function windowOf(slopes, { width, height }) {
   const whole = { x: 0, y: 0, zoom: 1 };
   const most = (k) => median(slopes.map((slope) => finite(slope[k])));
   const plain = normalOf(most(1), most(2));
-  // At its border a scan stands out, too.
+  // A scan also stands out at its border.
   const known = slopes.map(([at]) => [at % width, Math.floor(at / width)]);
   const isInRows = withinBorder(known);
   const isInColumns = withinBorder(known.map(([x, y]) => [y, x]));
@@ -107,12 +112,12 @@ function windowOf(slopes, { width, height }) {
 }
 
 /**
- * Draw what stands out of a scan, as the view shows it at first, shaded by its relief.
+ * Draws the objects of a scan as in the initial view, shaded by their relief.
  *
- * canvas     of which the size stays
+ * canvas     keeps its size
  * positions  x, y, z of each point
  * viewpoint  of the sensor, in the same frame
- * color      [r, g, b] of what faces the light
+ * color      [r, g, b] of surfaces that face the light
  */
 export function drawThumbnail(canvas, positions, viewpoint, color) {
   const context = canvas.getContext("2d");

@@ -19,17 +19,18 @@ function quantile(values, share) {
 }
 
 /**
- * Say how a scan or a model is shown: centered, upright, with a radius of about 1.
+ * Determines how a scan or a model is shown: centered, upright, with a radius of about 1.
  *
- * positions  x, y, z of each point in its own frame, at least one
- * viewpoint  of the sensor in that frame; null: nobody looked
+ * positions  x, y, z of each point in its frame, at least one
+ * viewpoint  of the sensor in that frame; null: no sensor
  *
- * Up is that of the usual frames: cameras look along +z with y down (OpenCV) or along -z with y up
- * (OpenGL); whatever looks elsewhere stands on a floor with z up (ROS, REP 103), as models do.
+ * The up direction follows the usual frames: cameras view along +z with y down (OpenCV) or along -z
+ * with y up (OpenGL); with any other view direction, the scan stands on a floor with z up (ROS, REP
+ * 103), as models do.
  *
- * Returns { center, radius: both in its own frame; toWorld; sample: some of the points, in the
- * world; direction: from the center to where it is best seen from, in the world; sensor: where it
- * was, in the world, or null }.
+ * Returns { center, radius: both in its frame; toWorld; sample: some of the points, in the world;
+ *   direction: from the center to the best viewpoint, in the world; sensor: its position in the
+ *   world, or null }.
  */
 export function frameOf(positions, viewpoint) {
   const sample = sampleOf(positions);
@@ -66,12 +67,12 @@ export function frameOf(positions, viewpoint) {
 }
 
 /**
- * How far from the origin of the world a camera sees these points.
+ * The distance from the world origin at which a camera sees these points.
  *
  * points      in the world
  * direction   from the origin to the camera
  * across, up  tangents of half the field of view
- * stray       share of the points that may be missed
+ * stray       fraction of the points that may be outside
  */
 export function distanceToSee(points, direction, { across, up }, stray = 0) {
   const right = new Vector3().crossVectors(new Vector3(0, 1, 0), direction).normalize();

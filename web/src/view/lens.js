@@ -2,7 +2,7 @@ import { Matrix4, Ray, Vector3, Vector4 } from "three";
 
 const kNear = 1e-3; // of the distance to the scan: what is nearer to the eye is not drawn
 
-/** How places in the scan's frame, as its points are drawn, are seen in a canvas [pixel]. */
+/** The projection of positions in the scan's frame, as drawn, to a canvas [pixel]. */
 export class Lens {
   #toClip;
   #toFrame;
@@ -35,13 +35,13 @@ export class Lens {
     return { x: ((x / w + 1) * this.width) / 2, y: ((1 - y / w) * this.height) / 2 };
   }
 
-  /** { x, y } of a place; null: it is behind the eye. */
+  /** { x, y } of a position; null: it is behind the eye. */
   project(place) {
     const clip = this.#clip(place);
     return clip.w > this.#near ? this.#pixel(clip) : null;
   }
 
-  /** What is ahead of the eye of a line between two places: [{ x, y }, { x, y }], or null. */
+  /** The part of a line segment in front of the eye: [{ x, y }, { x, y }], or null. */
   line(from, to) {
     const [a, b] = [this.#clip(from), this.#clip(to)];
     if (Math.max(a.w, b.w) <= this.#near) return null;
@@ -50,7 +50,7 @@ export class Lens {
     return [this.#pixel(cut(a, b)), this.#pixel(cut(b, a))];
   }
 
-  /** Whether a place is within the canvas. */
+  /** Whether a position is within the canvas. */
   shows(x, y, z) {
     const { elements: m } = this.#toClip;
     const w = m[3] * x + m[7] * y + m[11] * z + m[15];
@@ -59,7 +59,7 @@ export class Lens {
     return w > 0 && Math.abs(across) <= w && Math.abs(up) <= w;
   }
 
-  /** From the eye through a pixel. */
+  /** The ray from the eye through a pixel. */
   ray(x, y) {
     const through = new Vector3((2 * x) / this.width - 1, 1 - (2 * y) / this.height, 0.5);
     return new Ray(this.eye.clone(), through.applyMatrix4(this.#toFrame).sub(this.eye).normalize());

@@ -2,12 +2,12 @@ import { PLYLoader } from "three/examples/jsm/loaders/PLYLoader.js";
 
 import { fetchBytes } from "../service.js";
 
-/** Meshes of the library's models, fetched when first wanted and freed when no longer. */
+/** Meshes of the library's models, fetched on first use and freed when no longer needed. */
 export class Meshes {
   #addresses = new Map();
   #geometries = new Map();
 
-  /** Take another library's models; what was fetched of the last one is freed. */
+  /** Sets the models of another library and frees the meshes of the last one. */
   setModels(models) {
     this.keep(new Set());
     this.#addresses = new Map(models.map((model) => [model.name, model.mesh]));
@@ -28,7 +28,7 @@ export class Meshes {
     return this.#geometries.get(name);
   }
 
-  /** Free all but these. */
+  /** Frees all others. */
   keep(names) {
     for (const [name, made] of this.#geometries) {
       if (names.has(name)) continue;

@@ -3,11 +3,12 @@ import { DataTexture, SRGBColorSpace } from "three";
 const kSteps = 254; // between the two colors beyond the limits
 
 /**
- * Colors of values, as [red, green, blue] of 0 to 255: below the lower limit, between the limits
- * in equal steps, above the upper one. All eyes tell them apart, on light and on dark ground.
+ * Colors of values, as [red, green, blue] of 0 to 255: below the lower limit, between the limits in
+ * equal steps, above the upper one. They are distinct to all viewers, on light and dark
+ * backgrounds.
  */
 export const kPalettes = {
-  /** Of deviations: blue below, orange above, and what is out of tolerance stands out. */
+  /** For deviations: blue below, orange above, and values out of tolerance stand out. */
   deviation: {
     below: [120, 40, 190],
     between: [
@@ -17,7 +18,7 @@ export const kPalettes = {
     ],
     above: [190, 50, 20],
   },
-  /** Of lengths. Source: viridis, van der Walt and Smith, 2015, without its darkest part. */
+  /** For lengths. Source: viridis, van der Walt and Smith, 2015, without its darkest part. */
   length: {
     below: [71, 45, 123],
     between: [

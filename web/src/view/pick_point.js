@@ -3,8 +3,8 @@ import { Vector4 } from "three";
 const kReach = 10; // [pixel] around the pointer
 
 /**
- * The point of a scan that is seen at a place of the canvas: of those near the pointer the one
- * nearest to the camera, else null.
+ * The point of a scan at a position of the canvas: among those near the pointer the one nearest to
+ * the camera, else null.
  *
  * positions  x, y, z of each
  * project    Matrix4 from positions to clip space
@@ -21,7 +21,7 @@ export function pickPoint(positions, project, x, y, width, height, isSeen) {
     const dy = ((1 - clip.y / clip.w) * height) / 2 - y;
     const off = Math.hypot(dx, dy);
     if (off > kReach) continue;
-    // A pixel aside is worth as much as a two-hundredth of the distance.
+    // A pixel of offset costs as much as a two-hundredth of the distance.
     const cost = clip.w * (1 + off / 200);
     if (best && cost >= best.cost) continue;
     if (isSeen(positions.slice(i, i + 3))) best = { cost, at: i };

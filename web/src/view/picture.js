@@ -33,8 +33,8 @@ const kFragmentShader = `
     return vec2(cos(angle), sin(angle));
   }
 
-  // Light on points, which have no normals: the slope of the depth around, as wide as points are
-  // apart, stands in for one. Pairs of neighbors across a step in depth tell nothing.
+  // Shading of points, which have no normals: the slope of the surrounding depth, over a width of
+  // the point spacing, replaces the normal. Pairs of neighbors across a depth step are ignored.
   float lightOnPoints(float here) {
     float perPixel = here / pixelsPerUnit;
     float reach = max(2.0 * pixelRatio, spacing / perPixel);
@@ -53,8 +53,8 @@ const kFragmentShader = `
     return 0.25 + 0.85 * max(dot(normal, normalize(vec3(-0.4, 0.6, 1.0))), 0.0);
   }
 
-  // Eye-dome lighting: what lies behind its neighbors in the picture is darker, which sets things
-  // off. Source: Boucheny, thesis, Univ. Joseph Fourier, 2009.
+  // Eye-dome lighting: points behind their neighbors in the picture are darker, which emphasizes
+  // edges. Source: Boucheny, thesis, Univ. Joseph Fourier, 2009.
   float lightInTheDome(float here) {
     float behind = 0.0;
     for (int k = 0; k < 8; ++k) {
@@ -71,7 +71,7 @@ const kFragmentShader = `
       color.rgb *= lightInTheDome(here) * mix(lightOnPoints(here), 1.0, color.a);
     }
 
-    // An outline is where the drawn thing changes; the topmost of the two gives the ink.
+    // An outline is where the drawn thing changes; the front one of the two gives the color.
     vec4 mine = texture2D(outlines, place), ink = mine;
     float edge = 0.0;
     for (int k = 0; k < 12; ++k) {
@@ -87,7 +87,7 @@ const kFragmentShader = `
     #include <colorspace_fragment>
   }`;
 
-/** Thing `id` in the picture of outlines: 1 has an empty inside, others a tinted one. */
+/** The material of thing `id` in the outline image: 1 has an empty inside, others a tinted one. */
 export const outlineMaterial = (id, color) =>
   new ShaderMaterial({
     uniforms: { color: { value: color }, id: { value: (1 + ((id - 1) % 255)) / 255 } },
@@ -110,7 +110,7 @@ export const outlineMaterial = (id, color) =>
     side: 2,
   });
 
-/** Puts solid things and outlines together into what is seen. */
+/** Combines solid things and outlines into the final picture. */
 export class Picture {
   #renderer;
   #solid = new WebGLRenderTarget(1, 1, {
@@ -144,7 +144,7 @@ export class Picture {
     this.#quad.frustumCulled = false;
   }
 
-  /** width, height  [device pixels]; pixelRatio  of these to the page's */
+  /** width, height  [device pixels]; pixelRatio  of device pixels to the page's */
   resize(width, height, pixelRatio) {
     this.#solid.setSize(width, height);
     this.#outlines.setSize(width, height);

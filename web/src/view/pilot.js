@@ -4,7 +4,7 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 const kFlightSeconds = 0.45;
 const kTurn = Math.PI / 24; // of an arrow key
 
-/** Moves the camera: by the user's hand and keys, and in flights to what is to be seen. */
+/** Moves the camera: by mouse, touch and keys, and in animated flights. */
 export class Pilot {
   #camera;
   #controls;
@@ -12,12 +12,14 @@ export class Pilot {
   #flight = 0;
   #kept = null; // { position, target } to come back to
 
-  /** Whether the hand moves it now. */
+  /** Whether the user is dragging the camera. */
   isDragged = false;
-  /** Whether it stands where all is seen: neither hand nor flight has moved it since. */
+  /**
+   * Whether the camera is where everything is visible: neither user nor flight has moved it since.
+   */
   isFitted = false;
 
-  /** onMove  called when the camera moved, and when the hand lets go of it */
+  /** onMove  called when the camera has moved, and when the user ends a drag */
   constructor(camera, canvas, onMove) {
     this.#camera = camera;
     this.#onMove = onMove;
@@ -35,19 +37,19 @@ export class Pilot {
     canvas.addEventListener("keydown", (event) => this.#onKey(event));
   }
 
-  /** What the camera looks at and turns about. */
+  /** The point that the camera faces and orbits. */
   get target() {
     return this.#controls.target;
   }
   get distance() {
     return this.#camera.position.distanceTo(this.target);
   }
-  /** Of unit length, from the target to the camera. */
+  /** The unit vector from the target to the camera. */
   get back() {
     return this.#camera.position.clone().sub(this.target).normalize();
   }
 
-  /** direction  from the target to the camera; flies  else it is there at once */
+  /** direction  from the target to the camera; flies  false: the camera jumps */
   flyTo(target, direction, distance, flies = true) {
     this.#leave();
     const position = target.clone().addScaledVector(direction, distance);
@@ -65,12 +67,12 @@ export class Pilot {
     step(start);
   }
 
-  /** Remember where the camera is, unless a place is remembered already. */
+  /** Stores the camera's position, unless one is already stored. */
   keepPlace() {
     this.#kept ??= { position: this.#camera.position.clone(), target: this.target.clone() };
   }
 
-  /** Go back to where it was, and forget that place. */
+  /** Returns to the stored position, and clears it. */
   returnToPlace() {
     if (!this.#kept) return;
     cancelAnimationFrame(this.#flight);
@@ -85,7 +87,7 @@ export class Pilot {
     this.#onMove();
   }
 
-  /** The user, or a flight, takes the camera elsewhere. */
+  /** The user, or a flight, moves the camera away. */
   #leave() {
     cancelAnimationFrame(this.#flight);
     this.isFitted = false;

@@ -5,10 +5,10 @@ import { kVerdicts } from "../rays.js";
 const kSize = 1.3; // of a point, in what each has of the side of their extent
 
 /**
- * What rays say of a posed model, as colored points on it.
+ * The verdicts of rays for a posed model, as colored points on it.
  *
- * rays    by verdict, x, y, z of each place in the frame of the scan's file
- * offset  of the scan's points as they are drawn
+ * rays    by verdict, x, y, z of each hit in the frame of the scan's file
+ * offset  of the scan's points as drawn
  * frame   of the scan's points
  */
 export function makeRayPoints(rays, offset, frame) {

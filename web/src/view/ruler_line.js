@@ -11,7 +11,7 @@ const svg = (tag, className) => {
   return made;
 };
 
-/** A line between two places, with its length beside the middle; drawn over everything. */
+/** A line between two positions, with its length beside the middle; drawn over everything. */
 export class RulerLine {
   #svg = svg("svg", "ruler");
   #lines = [svg("line", "back"), svg("line", "front")];
@@ -25,13 +25,13 @@ export class RulerLine {
     this.set([], "");
   }
 
-  /** places  in the world: none, one or two; text  told beside two */
+  /** places  positions in the world: none, one or two; text  shown with two */
   set(places, text) {
     this.#places = places;
     this.#mark.textContent = text;
   }
 
-  /** Put it into a view of width x height pixels; isShown  whether it is seen at all */
+  /** Places it in a view of width x height pixels; isShown  whether it is visible at all */
   place(camera, width, height, isShown) {
     const seen = this.#places.map((place) => {
       const { x, y, z } = new Vector3().copy(place).project(camera);

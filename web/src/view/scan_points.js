@@ -9,7 +9,7 @@ const kUnlit = "0.7"; // share of a color that stands for a value
 const kNoValue = 1e30; // a float on all GPUs, which NaN is not
 const kBehind = 0.006; // of the scan's radius: models stand out from the points that they explain
 
-/** How far apart points are where they are rather sparse. */
+/** The spacing of points where they are rather sparse. */
 function spacing(positions) {
   const num = positions.length / 3;
   const distances = [];
@@ -34,13 +34,13 @@ function spacing(positions) {
 }
 
 /**
- * A scan as round points about as large as they are apart.
+ * A scan as round points about as large as their spacing.
  *
  * positions  x, y, z of each in the scan's frame
  * frame      frameOf(positions)
  */
 export function makeScanPoints(positions, frame) {
-  // About the center: a float has too few digits for details far from the origin.
+  // Relative to the center: a float has too few digits for details far from the origin.
   const { x, y, z } = frame.center;
   const centered = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i += 3) {
@@ -74,7 +74,7 @@ export function makeScanPoints(positions, frame) {
       varying float seenZ, size;
       varying vec4 ink; // to be lit by the picture, as far as its alpha is not 1
 
-      // Within the limits all but the first and the last texel.
+      // All texels but the first and the last are for values within the limits.
       vec4 colorOf(float value) {
         if (value > 0.5 * ${kNoValue.toExponential()}) return vec4(dim, ${kUnlit});
         float texels = float(textureSize(palette, 0).x);
@@ -103,8 +103,8 @@ export function makeScanPoints(positions, frame) {
       varying vec4 ink;
       void main() {
         #include <clipping_planes_fragment>
-        // A dome instead of a disc: where neighbors meet, depth is continuous. Of few pixels all
-        // are needed to close the surface.
+        // A dome instead of a disc: where neighbors meet, depth is continuous. Small points use all
+        // their pixels to close the surface.
         float off = 2.0 * length(gl_PointCoord - 0.5);
         if (off > 1.0 && size > 4.0) discard;
         float z = seenZ - spacing * off * off - behind;
@@ -120,7 +120,7 @@ export function makeScanPoints(positions, frame) {
 }
 
 /**
- * Color the points by values; null: none.
+ * Colors the points by values; null: none.
  *
  * values     of each point; NaN is drawn dim
  * low, high  limits of the palette's steps

@@ -46,20 +46,21 @@ const kSelected = 1; // outlineMaterial: the solid thing inside stays as it is
 
 const foundMaterial = () => new MeshLambertMaterial({ flatShading: true, side: DoubleSide });
 
-/** Free what a mesh has on the GPU, but for geometries, which `Meshes` keeps. */
+/** Frees the GPU resources of a mesh, except geometries, which `Meshes` keeps. */
 const freeMaterials = (group) => group.traverse((thing) => thing.material?.dispose());
-/** But that of the model itself, which stays for the next time. */
+/** Frees all geometries except that of the model, which is reused. */
 const freeGeometries = (model) =>
   model.traverse(({ geometry }) => geometry !== model.geometry && geometry?.dispose());
 
 /**
- * The 3-D view: one scan with posed models, or one model by itself.
+ * The 3-D view: one scan with posed models, or a single model.
  *
- * It draws only when something changed; until that is drawn and its marks are placed, its canvas has
- * `aria-busy`. Things are posed in the scan's frame; `onPick(id)` tells
- * which one was clicked (null: none), `onAsk(point)` which point of the scan, `onLook(point, distance)` where the camera looks, in the
- * scan's frame and unit, and `onScale(length)` how long a pixel is there, in the unit of what is
- * shown (null: nothing is); `onDraw(lens)` how the scan is seen in what was drawn (null: it is not).
+ * It draws only after a change; until the drawing is complete and its marks are placed, its canvas
+ * has `aria-busy`. Things are posed in the scan's frame. Callbacks: `onPick(id)` gets the clicked
+ * thing (null: none); `onAsk(point)` gets the clicked point of the scan; `onLook(point, distance)`
+ * gets the camera's target, in the scan's frame and unit; `onScale(length)` gets the length of a
+ * pixel there, in the unit of the displayed object (null: none); `onDraw(lens)` gets the projection
+ * of the scan in the drawn picture (null: no scan).
  */
 export class SceneView {
   #canvas;
@@ -93,7 +94,7 @@ export class SceneView {
   #lastDrawn = 0;
   #alike = []; // see #prepare
 
-  /** Whether a click asks about a place of the scan instead of picking what is drawn. */
+  /** Whether a click asks about a position of the scan instead of selecting a thing. */
   asks = false;
 
   onPick = () => {};
@@ -102,7 +103,7 @@ export class SceneView {
   onScale = () => {};
   onDraw = () => {};
 
-  /** Errors: there is no WebGL 2. */
+  /** Errors: WebGL 2 is unavailable. */
   constructor(canvas, marks) {
     this.#canvas = canvas;
     this.#marks = marks;
@@ -128,16 +129,16 @@ export class SceneView {
   }
 
   /**
-   * Draw something like a scan and a found model once, in a few pixels: programs are compiled by their
-   * first use, for which the page would wait while pictures of many points are drawn. What was drawn
-   * stays, as programs that nothing uses are forgotten.
+   * Draws a small scan and a found model once, in a few pixels. Shader programs are compiled at
+   * their first use, for which the page would otherwise wait while it draws pictures of many
+   * points. The drawn objects stay, as unused programs are discarded.
    */
   #prepare() {
     const corners = new Float32Array([0, 0, 0, 1, 0, 0, 0, 1, 0]);
     const points = makeScanPoints(corners, frameOf(corners));
     points.material.uniforms.color.value = points.material.uniforms.dim.value = this.colors.scan;
     const mesh = new Mesh(points.geometry, foundMaterial());
-    // SeenParts draws outlines among what is solid, where its lights make them another program.
+    // SeenParts draws outlines among solid objects, whose lights require another shader program.
     const [outline, seen] = [0, 1].map(
       () => new Mesh(points.geometry, outlineMaterial(kSelected, new Color())),
     );
@@ -152,7 +153,7 @@ export class SceneView {
     for (const thing of this.#alike) thing.removeFromParent();
   }
 
-  /** Take the colors of the scene from the style sheet. */
+  /** Reads the colors of the scene from the style sheet. */
   readColors() {
     const style = getComputedStyle(this.#canvas);
     const color = (name) => new Color(style.getPropertyValue(name).trim());
@@ -188,7 +189,7 @@ export class SceneView {
     this.fit(false);
   }
 
-  /** Forget the scan and all that is posed in it. */
+  /** Removes the scan and everything posed in it. */
   clear() {
     this.closeModel();
     this.setThings([]);
@@ -205,10 +206,10 @@ export class SceneView {
   }
 
   /**
-   * Pose models in the scan.
+   * Poses models in the scan.
    *
-   * things  [{ id, kind: "found", "rejected" or "why", geometry, pose: Matrix4 of the geometry's points in
-   *         the scan's frame, color, label, alternatives: other such poses }]
+   * things  [{ id, kind: "found", "rejected" or "why", geometry, pose: Matrix4 from the geometry's
+   *         points to the scan's frame, color, label, alternatives: other such poses }]
    */
   setThings(things) {
     this.showRays(null);
@@ -279,7 +280,7 @@ export class SceneView {
     }
   }
 
-  /** What rays say of a pose, see makeRayPoints; null: nothing. */
+  /** Shows the verdicts of rays for a pose, see makeRayPoints; null: none. */
   showRays(rays, offset) {
     this.#rays?.removeFromParent();
     this.#rays?.geometry.dispose();
@@ -289,14 +290,14 @@ export class SceneView {
     this.#arrange();
   }
 
-  /** Show or hide { scan, found, rejected }. */
+  /** Shows or hides { scan, found, rejected }. */
   setLayers(layers) {
     Object.assign(this.#layers, layers);
     this.#arrange();
   }
 
   /**
-   * Color the scan: see colorScanPoints.
+   * Colors the scan: see colorScanPoints.
    *
    * traced  ids of things to draw as outlines; with any, no thing is solid and hides points
    */
@@ -307,20 +308,20 @@ export class SceneView {
     this.#arrange();
   }
 
-  /** Leave only a slab of the scan and of what is posed in it; see planesOf. */
+  /** Clips the scan and the models posed in it to a slab; see planesOf. */
   setSlab(slab) {
     this.#planes = this.#frame ? planesOf(slab, this.#frame.toWorld) : [];
     this.#arrange();
   }
 
-  /** Draw a ruler between two points of the scan's frame, or its first end alone. */
+  /** Draws a ruler between two points of the scan's frame, or its first end alone. */
   setRuler(points, text) {
     const places = points.map((point) => new Vector3(...point).applyMatrix4(this.#frame.toWorld));
     this.#ruler.set(places, text);
     this.#draw();
   }
 
-  /** Unit vectors of the scan's frame: what is up, and where the camera looks. */
+  /** Unit vectors of the scan's frame: up, and the view direction of the camera. */
   get up() {
     return this.#inScan(new Vector3(0, 1, 0));
   }
@@ -333,7 +334,7 @@ export class SceneView {
     return direction.transformDirection(this.#frame.toWorld.clone().invert()).toArray();
   }
 
-  /** Whether the section leaves this place of the world. */
+  /** Whether the section keeps this position of the world. */
   #isLeft(place) {
     return this.#planes.every((plane) => plane.distanceToPoint(place) >= 0);
   }
@@ -372,7 +373,7 @@ export class SceneView {
     this.#draw();
   }
 
-  /** Highlight the thing with this id and fly to it; null: none. */
+  /** Highlights the thing with this id and flies to it; null: none. */
   select(id) {
     this.#selected = id;
     this.#arrange();
@@ -386,10 +387,10 @@ export class SceneView {
   }
 
   /**
-   * Show one model by itself, until closeModel().
+   * Shows a single model until closeModel().
    *
    * axes    of its symmetries: see makeTurnAxes
-   * turned  what is drawn over it, if anything: see makeTurned
+   * turned  an object drawn over it, if any: see makeTurned
    */
   showModel(geometry, color, axes = [], turned = null) {
     this.closeModel(false);
@@ -414,7 +415,7 @@ export class SceneView {
     return this.#model !== null;
   }
 
-  /** Show the scan again, from where it was seen. */
+  /** Shows the scan again, from the previous position. */
   closeModel(back = true) {
     if (this.#model) {
       this.#model.mesh.removeFromParent();
@@ -427,7 +428,7 @@ export class SceneView {
     this.#arrange();
   }
 
-  /** Show all of it, from where the sensor was. */
+  /** Shows everything, from the sensor's position. */
   fit(flies = true) {
     const frame = this.#model?.frame ?? this.#frame;
     if (!frame) return;
@@ -472,7 +473,7 @@ export class SceneView {
     });
   }
 
-  /** The point of the scan that is seen there, in the scan's frame, or null. */
+  /** The visible point of the scan at a position of the canvas, in the scan's frame, or null. */
   #pointAt(x, y) {
     const { clientWidth, clientHeight } = this.#canvas;
     const project = new Matrix4()
@@ -484,7 +485,7 @@ export class SceneView {
     return point && this.#frame.center.clone().add(new Vector3(...point)).toArray();
   }
 
-  /** The point of the scan in the middle of the view, or null. */
+  /** The point of the scan at the center of the view, or null. */
   pointInTheMiddle() {
     if (!this.#frame || this.#model) return null;
     return this.#pointAt(this.#canvas.clientWidth / 2, this.#canvas.clientHeight / 2);
@@ -511,7 +512,7 @@ export class SceneView {
     });
   }
 
-  /** Without a GPU, a view that is turned is to follow the hand first, and be sharp at rest. */
+  /** Without a GPU, a rotating view must first follow the user, and be sharp at rest. */
   #setCoarse(isCoarse) {
     if (this.#isCoarse === isCoarse) return;
     this.#isCoarse = isCoarse;
@@ -552,14 +553,17 @@ export class SceneView {
     else this.#settle();
   }
 
-  /** At rest, put the marks on what is seen of their things; they stay there when it turns. */
+  /**
+   * At rest, places the marks on visible parts of their things; they stay there when the view
+   * rotates.
+   */
   async #settle() {
     this.#isNew = false;
     const turn = ++this.#settled;
     const things = this.#things;
     const seen = things.filter(({ mesh }) => mesh?.visible);
     const places = seen.length ? await this.#findSeen(seen.map(({ mesh }) => mesh)) : [];
-    // Others are shown by now, or looked for from another place.
+    // Other things are shown by now, or the viewpoint has changed.
     if (things !== this.#things || turn !== this.#settled) return;
     seen.forEach((thing, k) => {
       thing.place = places[k] ?? thing.center;
@@ -584,7 +588,10 @@ export class SceneView {
     return finding;
   }
 
-  /** For a picture of this height [pixel]; smallest  size of a point. Returns pixelsPerUnit. */
+  /**
+   * Sets the point size for a picture of this height [pixel]; smallest  size of a point. Returns
+   * pixelsPerUnit.
+   */
   #setPointSize(height, smallest) {
     const pixelsPerUnit = height / 2 / Math.tan((kFieldOfView * Math.PI) / 360);
     const uniforms = this.#points?.material.uniforms;

@@ -6,8 +6,8 @@ const kWidth = 256; // of the picture that is searched [pixel]
 const kMost = 255; // things that a byte tells apart
 
 /**
- * For each of `count` things the pixel of its own that is farthest from others and from the border,
- * in steps to the four neighbors; -1 without any.
+ * For each of `count` things the pixel farthest from other things and from the border, in steps to
+ * the four neighbors; -1 if it has none.
  *
  * ids  row by row: 1 for the first thing, 0 for none
  * Source: Rosenfeld and Pfaltz, J. ACM 1966: one pass down, one up.
@@ -32,17 +32,17 @@ export function innermostPixels(ids, width, count) {
   return found;
 }
 
-/** Finds places on what is seen of meshes: a label there points to nothing else. */
+/** Finds positions on visible parts of meshes, where a label is unambiguous. */
 export class SeenParts {
   #target = new WebGLRenderTarget(1, 1, { minFilter: NearestFilter, magFilter: NearestFilter });
   #materials = [];
 
   /**
-   * scene   with the meshes, which are visible, and all that may hide them
-   * isSeen  whether a hit of a ray is, and not cut away
-   * shrink  called with the height of the picture that is drawn for this [pixel]
-   * It is drawn at once; what was drawn is awaited without holding up the page.
-   * Promises a place on the surface of each mesh, in the world; null where nothing of it is seen.
+   * scene   contains the visible meshes, and everything that may hide them
+   * isSeen  whether a hit of a ray is visible, and not clipped
+   * shrink  called with the height of the picture drawn for this [pixel]
+   * The picture is drawn at once, and its pixels are read asynchronously. Promises a position on
+   * the surface of each mesh, in the world; null where nothing of it is visible.
    */
   async find(renderer, scene, camera, meshes, isSeen, shrink) {
     const height = Math.max(1, Math.round(kWidth / camera.aspect));

@@ -7,7 +7,7 @@ const kSameDirection = Math.cos((8 * Math.PI) / 180); // within it the view is t
 const kMargin = 34; // of a mark at the border of the view [pixel]
 const kArrows = ["→", "↗", "↑", "↖", "←", "↙", "↓", "↘"];
 
-/** A pyramid from the sensor towards what it saw. */
+/** A pyramid from the sensor along its view direction. */
 function makePyramid() {
   const apex = [0, 0, 0];
   const corners = [
@@ -24,7 +24,7 @@ function makePyramid() {
   return pyramid;
 }
 
-/** Where the sensor was: drawn there, with a mark that points to it if it is out of the view. */
+/** The position of the sensor, with a mark that points to it if it is outside the view. */
 export class Sensor {
   pyramid = makePyramid();
   #mark = element("span", { className: "mark sensor", hidden: true }, "sensor");
@@ -35,7 +35,7 @@ export class Sensor {
     this.show(null);
   }
 
-  /** at  in the world, looking at its origin; null: nobody looked, or it is not to be seen */
+  /** at  in the world, facing the world's origin; null: no sensor, or it must be hidden */
   show(at) {
     this.#at = at;
     this.pyramid.visible = Boolean(at);
@@ -54,7 +54,7 @@ export class Sensor {
     this.pyramid.material.color.copy(color);
   }
 
-  /** Before a picture is drawn: in the sensor's own view it would only be in the way. */
+  /** Called before drawing: in the sensor's view the pyramid would only be in the way. */
   prepare(camera, target) {
     if (!this.#at) return;
     const look = camera.position.clone().sub(target).normalize();
@@ -63,7 +63,7 @@ export class Sensor {
     this.pyramid.visible = !isOwnView;
   }
 
-  /** After it: put the mark into a view of width x height pixels. */
+  /** Called after drawing: places the mark in a view of width x height pixels. */
   place(camera, width, height) {
     if (this.#mark.hidden) return;
     const seen = this.#at.clone().applyMatrix4(camera.matrixWorldInverse);

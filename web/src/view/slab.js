@@ -1,9 +1,9 @@
 import { Plane, Vector3 } from "three";
 
 /**
- * The planes that leave a slab, to clip by.
+ * The clipping planes that keep a slab.
  *
- * slab     { normal: unit vector, low, high: along it }, in a frame; null: all is left
+ * slab     { normal: unit vector, low, high: along it }, in a frame; null: everything is kept
  * toWorld  of that frame, a similarity
  */
 export function planesOf(slab, toWorld) {

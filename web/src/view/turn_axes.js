@@ -5,11 +5,11 @@ const kThickness = 0.006; // likewise
 const kDashes = 14; // of an axis that nearly is one
 
 /**
- * Axes about which a model looks the same, as lines; dashed where it nearly does.
+ * Symmetry axes of a model, as lines; dashed for near symmetries.
  *
  * axes   [{ direction, point, near }] in the model's frame
  * radius of the model
- * color  of them
+ * color  of the lines
  */
 export function makeTurnAxes(axes, radius, color) {
   const group = new Group();

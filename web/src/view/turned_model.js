@@ -4,10 +4,10 @@ const kBall = 0.035; // radius, in the model's radii
 const kOpacity = 0.45;
 
 /**
- * A model as a turn lays it over itself, and a ball where it is farthest off.
+ * A model rotated by a near symmetry over itself, and a ball at the largest deviation.
  *
  * geometry  of the model
- * turned    { matrix: of the turn, place: of the largest deviation } in the model's frame
+ * turned    { matrix: of the rotation, place: of the largest deviation } in the model's frame
  * radius    of the model
  */
 export function makeTurned(geometry, { matrix, place }, radius, color) {

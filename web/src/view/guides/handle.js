@@ -3,11 +3,14 @@ import { svg } from "./svg.js";
 const kSize = 6; // [pixel]
 const kReach = 16; // of a finger
 
-/** A dot to drag. */
+/** A dot that the user drags. */
 export class Handle {
   #shown = svg("g", { class: "handle" });
 
-  /** label  beside it, if any; onDrag({ x, y })  in the layer [pixel]; onStart()  before */
+  /**
+   * label  shown beside it, if any; onDrag({ x, y })  in the layer [pixel]; onStart()  called
+   *        before
+   */
   constructor(layer, { title, label = "", onStart = () => {}, onDrag }) {
     this.#shown.append(svg("circle", { class: "reach", r: kReach }), svg("circle", { r: kSize }));
     this.#shown.append(svg("text", { x: 10, y: -6 }, label), svg("title", {}, title));
@@ -26,7 +29,7 @@ export class Handle {
     });
   }
 
-  /** at  { x, y }, or null: not to be seen; behind  whether something of its own is before it */
+  /** at  { x, y }, or null: hidden; behind  whether another part of its guide is in front of it */
   place(at, behind = false) {
     this.#shown.classList.toggle("gone", !at);
     this.#shown.classList.toggle("behind", behind);

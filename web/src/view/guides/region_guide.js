@@ -6,18 +6,18 @@ import { linesData, svg } from "./svg.js";
 const kAxes = ["x", "y", "z"];
 const kAlong = 0.03; // of a view along an axis: its faces hide what dragging them would do
 
-/** Corner k of a box: bit `axis` of k tells on which side it is. */
+/** Corner k of a box: bit `axis` of k gives its side. */
 const corner = ([low, high], k) =>
   new Vector3(...kAxes.map((axis, bit) => (k & (1 << bit) ? high : low)[axis]));
 
-/** [corner, corner, axis along which it runs] of the twelve edges. */
+/** [corner, corner, axis of the edge] for the twelve edges. */
 const kEdges = [0, 1, 2].flatMap((axis) =>
   [0, 1, 2, 3, 4, 5, 6, 7]
     .filter((k) => !(k & (1 << axis)))
     .map((k) => [k, k | (1 << axis), axis]),
 );
 
-/** The box that poses must lie in, with a handle on each face. */
+/** The box that must contain all poses, with a handle on each face. */
 export class RegionGuide {
   #front = svg("path", { class: "region" });
   #back = svg("path", { class: "region behind" });
@@ -25,7 +25,7 @@ export class RegionGuide {
   #box = null; // [low, high], Vector3
   #lens = null;
 
-  /** onDrag([low, high])  corners, in the frame that the lens sees */
+  /** onDrag([low, high])  corners, in the frame of the lens */
   constructor(layer, onDrag) {
     layer.append(this.#back, this.#front);
     this.#handles = kAxes.flatMap((axis) =>
@@ -47,7 +47,7 @@ export class RegionGuide {
     this.#draw();
   }
 
-  /** lens  or null: there is nothing to see */
+  /** lens  or null: nothing is visible */
   look(lens) {
     this.#lens = lens;
     this.#draw();
@@ -60,13 +60,13 @@ export class RegionGuide {
     return center;
   }
 
-  /** Whether the eye is before a face, outside of the box. */
+  /** Whether the eye is in front of a face, outside the box. */
   #isBefore(axis, side) {
     const beyond = this.#lens.eye[axis] - this.#box[side][axis];
     return side ? beyond > 0 : beyond < 0;
   }
 
-  /** The box with a face moved along its axis to where the pointer is nearest to that. */
+  /** The box with a face moved along its axis to the point nearest to the pointer's ray. */
   #dragged(axis, side, at) {
     const { origin, direction } = this.#lens.ray(at.x, at.y);
     const base = this.#faceCenter(axis, side);

@@ -1,4 +1,4 @@
-/** Make an element of a drawing. */
+/** Creates an SVG element. */
 export function svg(tag, attributes = {}, text = "") {
   const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
   for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
@@ -8,7 +8,7 @@ export function svg(tag, attributes = {}, text = "") {
 
 const point = ({ x, y }) => `${x.toFixed(1)} ${y.toFixed(1)}`;
 
-/** Path data of lines: [[from, to], …], each { x, y }; what is null is left out. */
+/** Path data of lines: [[from, to], …], each { x, y }; null is omitted. */
 export const linesData = (lines) =>
   lines
     .filter(Boolean)

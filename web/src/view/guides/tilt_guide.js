@@ -7,7 +7,7 @@ const kSteps = 48; // of the rim
 const kSpokes = 8;
 const kDegrees = 180 / Math.PI;
 
-/** The direction that models are held against, as an arrow, and how far they may turn, as a cone. */
+/** The reference direction for the tilt of models as an arrow, and the largest tilt as a cone. */
 export class TiltGuide {
   #arrow = svg("path", { class: "tilt" });
   #cone = svg("path", { class: "tilt limit" });
@@ -18,7 +18,7 @@ export class TiltGuide {
   #isFar = false; // the handle that is dragged is on the far side of the sphere
   #lens = null;
 
-  /** onDrag({ direction, angle })  in the frame that the lens sees */
+  /** onDrag({ direction, angle })  in the frame of the lens */
   constructor(layer, onDrag) {
     layer.append(this.#cone, this.#arrow);
     this.#tip = new Handle(layer, {
@@ -39,19 +39,19 @@ export class TiltGuide {
     });
   }
 
-  /** tilt  { direction: of any length, angle, at: where the arrow begins, length }, or null */
+  /** tilt  { direction: of any length, angle, at: start of the arrow, length }, or null */
   show(tilt) {
     this.#tilt = tilt && { ...tilt, direction: tilt.direction.clone().normalize() };
     this.#draw();
   }
 
-  /** lens  or null: there is nothing to see */
+  /** lens  or null: nothing is visible */
   look(lens) {
     this.#lens = lens;
     this.#draw();
   }
 
-  /** The unit vector of the rim towards a side. */
+  /** The unit vector to the rim of the cone on a given side. */
   #onRim(side) {
     const { direction, angle } = this.#tilt;
     const turn = angle / kDegrees;
@@ -66,7 +66,9 @@ export class TiltGuide {
     this.#isFar = unit.dot(this.#lens.eye.clone().sub(this.#place(unit))) < 0;
   }
 
-  /** The direction from the arrow's begin to the sphere about it that the pointer is on. */
+  /**
+   * The direction from the arrow's start to the point of the surrounding sphere under the pointer.
+   */
   #pointed({ x, y }) {
     const { at, length } = this.#tilt;
     const ray = this.#lens.ray(x, y);
@@ -79,7 +81,7 @@ export class TiltGuide {
     return nearest.sub(at).normalize();
   }
 
-  /** A side of the cone: the last one that was held, else the one most to the right in the view. */
+  /** A side of the cone: the one dragged last, else the rightmost in the view. */
   #chooseSide() {
     const { direction, at } = this.#tilt;
     const right = new Vector3().crossVectors(at.clone().sub(this.#lens.eye), direction);
