@@ -11,6 +11,8 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kRadiansPerDegree = std::numbers::pi_v<float> / 180;
+// Multiple of max_clusters up to which clusters are recorded, if those given up are: it bounds memory.
+constexpr std::size_t kKeptShare = 4;
 
 struct Clusters {
   std::vector<kernels::Hypothesis> poses;  // sorted by falling votes
@@ -22,7 +24,7 @@ Clusters cluster(const Model& model, const Proposals& proposals,
   const kernels::ClusterOptions limits{
       options.pose.cluster_translation * model.diameter,
       options.pose.cluster_rotation_deg * kRadiansPerDegree,
-      options.keep_all ? proposals.hypotheses.size() : options.pose.max_clusters};
+      std::size_t{options.pose.max_clusters} * (options.keep_given_up ? kKeptShare : 1)};
   Clusters clusters;
   for (const kernels::Hypothesis& hypothesis : proposals.hypotheses)
     clusters.num_votes += hypothesis.votes;
@@ -64,7 +66,7 @@ std::vector<Row> cluster_proposals(const Library& library, std::span<const Propo
   };
   std::vector<Row> rows;
   for (const Row row : strongest) rows.push_back(append(row));
-  if (options.keep_all) {
+  if (options.keep_given_up) {
     given_up.insert(given_up.end(), open.begin(), open.end());
     for (const Row row : given_up) table.fate[append(row)] = PoseFate::given_up;
   }

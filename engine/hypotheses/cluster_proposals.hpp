@@ -19,7 +19,8 @@ struct ClusterProposalsOptions {
   double scale = 1;  ///< factor from the limits' unit to the library's
   /// Maximum number of rows; those with the most votes are kept.
   std::size_t max_rows = std::numeric_limits<std::size_t>::max();
-  bool keep_all = false;  ///< whether to append rows beyond the limits on numbers too, as discarded
+  /// Whether to append the next best rows beyond the limits on numbers too, as given up.
+  bool keep_given_up = false;
 };
 
 /// Cluster the proposals of each source and model separately, and append the clusters within the

@@ -6,6 +6,8 @@
 #include <string>
 #include <tuple>
 
+#include "storage/common/stop.hpp"
+
 namespace trivet::engine {
 namespace {
 
@@ -62,6 +64,7 @@ auto furthest(const PoseTable& table, Row row) {
 std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const Place& place) {
   std::map<std::uint32_t, Nearby> nearby;
   for (Row row = 0; row < table.size(); ++row) {
+    check_stop();
     const std::uint32_t model = table.model[row];
     const bool is_tested = table.stage[row] == PoseStage::examined;
     const bool began_here = place.is_reached(model, table.T_proposed[row], kReach);

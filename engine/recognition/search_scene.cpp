@@ -154,7 +154,7 @@ Result<void> SceneSearch::screen(std::span<const Proposals> proposals) {
                               .limits = plan_.verification.test.limits,
                               .scale = scene_.scale,
                               .max_rows = plan_.limits.screened,
-                              .keep_all = plan_.question.point.has_value()},
+                              .keep_given_up = plan_.question.point.has_value()},
                              table_);
   }
   const StageTimer timer(stats_.times, "preselect");

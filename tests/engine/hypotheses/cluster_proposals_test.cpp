@@ -64,7 +64,7 @@ TEST_F(ClusterProposals, RecordsWhatItGivesUpWhereThatIsAskedFor) {
       {0, Source::ppf, {at(0, 9), at(2, 3), at(4, 8), at(6, 7)}}};
   EXPECT_EQ(cluster_proposals(library_, proposals, options_, table_), (Rows{0, 1}));
   EXPECT_EQ(table_.size(), 2U);
-  options_.keep_all = true;
+  options_.keep_given_up = true;
   EXPECT_EQ(cluster_proposals(library_, proposals, options_, table_), (Rows{2, 3}));
   ASSERT_EQ(table_.size(), 6U);
   EXPECT_EQ(table_.votes[4], 7) << "beyond the number of clusters";
