@@ -65,6 +65,7 @@ std::vector<Row> cluster_proposals(const Library& library, std::span<const Propo
                      all.share[row]);
   };
   std::vector<Row> rows;
+  rows.reserve(strongest.size());
   for (const Row row : strongest) rows.push_back(append(row));
   if (options.keep_given_up) {
     given_up.insert(given_up.end(), open.begin(), open.end());

@@ -140,7 +140,8 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
           const std::size_t at = crop.at(i, j);
           visit(render(scratch.first, at, T_camera_first.linear(), ray),
                 render(scratch.second, at, T_camera_second.linear(), ray), u, v,
-                static_cast<std::size_t>(j / side * columns + i / side));
+                static_cast<std::size_t>(j / side) * static_cast<std::size_t>(columns) +
+                    static_cast<std::size_t>(i / side));
         }
       }
     };

@@ -349,13 +349,14 @@ ContourEvidence judge_contour(std::span<const RangeImage> images, const ModelSam
     for_borders(filled, side, [&](std::size_t u, std::size_t v, int du, int dv) {
       const float pu = grid.u0 + (static_cast<float>(static_cast<int>(u) + du) + 0.5F) * grid.cell;
       const float pv = grid.v0 + (static_cast<float>(static_cast<int>(v) + dv) + 0.5F) * grid.cell;
-      if (!(pu >= 0 && pv >= 0 && pu + 0.5F < static_cast<float>(geometry.width) &&
-            pv + 0.5F < static_cast<float>(geometry.height))) {
+      const float column = pu + 0.5F, row = pv + 0.5F;
+      if (!(pu >= 0 && pv >= 0 && column < static_cast<float>(geometry.width) &&
+            row < static_cast<float>(geometry.height))) {
         return;
       }
       const float z = nearest_around(scratch.depth, side, u, v);
-      const std::size_t pixel = static_cast<std::size_t>(pv + 0.5F) * geometry.width +
-                                static_cast<std::size_t>(pu + 0.5F);
+      const std::size_t pixel =
+          static_cast<std::size_t>(row) * geometry.width + static_cast<std::size_t>(column);
       const float d = image.depth[pixel];
       if (d > 0 && d < z - jump) return;  // hidden by something nearer
       if (!(d > 0) || d > z + jump) {
