@@ -138,6 +138,7 @@ void plan_rounds(const RecognizeOptions& options, const Library& library, Search
   plan.limits.screened = work.screened;
   plan.limits.refined = work.refined;
   plan.limits.examined = work.examined;
+  if (num_models < 2) plan.limits.climbs = 0;  // nothing to climb to
   plan.decide.among = votes_reach_all ? Among::few_models : Among::many_models;
   plan.decide.votes_first = votes_reach_all && options.method == Method::fused;
   const bool by_votes = options.method != Method::trisi, by_matches = options.method != Method::ppf;

@@ -60,6 +60,12 @@ TEST(PlanSearch, TellsEachStageWhatItLeavesOut) {
   EXPECT_EQ(without(Improvement::second_round).rounds.size(), 1U);
 }
 
+TEST(PlanSearch, TestsNoLookAlikesOfASingleModel) {
+  EXPECT_EQ(planned({}, library_of(1)).limits.climbs, 0U);
+  EXPECT_EQ(planned({.models = {"part_1"}}, library_of(5)).limits.climbs, 0U);
+  EXPECT_GT(planned({}, library_of(2)).limits.climbs, 0U);
+}
+
 TEST(PlanSearch, NeverAddsARound) {
   EXPECT_TRUE(
       planned({.pose = {.rounds = 0}, .ablated = {Improvement::second_round}}).rounds.empty());
