@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "storage/files/text.hpp"
 
@@ -25,7 +26,9 @@ Eigen::AlignedBox3d box_of(const Positions& positions) {
 Vector3d choose_offset(const Eigen::AlignedBox3d& box) {
   const double extent = box.sizes().maxCoeff();
   Vector3d offset = Vector3d::Zero();
-  if (!(extent > 0 && std::isfinite(extent))) return offset;
+  // Floats distinguish no positions of a smaller extent, and the unit below could not be divided by.
+  constexpr double kLeastExtent = std::numeric_limits<float>::min();
+  if (!(extent >= kLeastExtent && std::isfinite(extent))) return offset;
   const double unit = std::exp2(std::ceil(std::log2(extent)));
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double low = box.min()[axis], high = box.max()[axis];
