@@ -60,13 +60,14 @@ std::vector<SceneLevel> VoteSource::choose_all_voters(const ModelGroups& models,
                                                       const PoseLimits& limits,
                                                       std::span<const std::uint8_t> explained) {
   const StageTimer timer(stats_.times, "subsample");
-  std::vector<SceneSample*> samples;
-  for (const auto& [step, of_step] : models) samples.push_back(&samples_[step]);
   std::vector<float> steps;
-  for (const auto& [step, of_step] : models) steps.push_back(step);
+  for (const auto& [step, of_step] : models) {
+    steps.push_back(step);
+    samples_.try_emplace(step);
+  }
   std::vector<SceneLevel> levels(steps.size());
   for_each_index(steps.size(), [&](std::size_t k) {
-    SceneSample& sample = *samples[k];
+    SceneSample& sample = samples_.at(steps[k]);
     if (sample.points.size() == 0)
       sample = sample_for_models(recognizer_.library(), scene_, steps[k], groups_.at(steps[k]),
                                  large_planes_);

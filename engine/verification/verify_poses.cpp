@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -20,13 +21,18 @@ constexpr std::size_t kMarkSamples = 100;
 
 PoseVerifier::PoseVerifier(const Recognizer& recognizer, const PreparedScene& scene,
                            const VerificationOptions& options, StageTimes& times)
-    : recognizer_(recognizer), scene_(scene), options_(options), times_(times) {}
+    : recognizer_(recognizer),
+      scene_(scene),
+      options_(options),
+      times_(times),
+      testers_(recognizer.library().models.size()) {}
 
 Result<void> PoseVerifier::prepare(std::span<const std::uint32_t> models) {
   std::vector<std::uint32_t> fresh;
-  for (const std::uint32_t m : models) {
-    if (testers_.try_emplace(m).second) fresh.push_back(m);
-  }
+  std::ranges::copy_if(models, std::back_inserter(fresh),
+                       [&](std::uint32_t m) { return !testers_[m]; });
+  std::ranges::sort(fresh);
+  fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   const Library& library = recognizer_.library();
   TRIVET_TRY(check_models(library, fresh, ModelPart::samples));
   for (const std::uint32_t m : fresh)
@@ -127,7 +133,7 @@ Result<PoseVerifier::Surfaces> PoseVerifier::surfaces_of(const PoseTable& table,
 std::vector<std::uint8_t> PoseVerifier::lie_on(const PoseTable& table, std::span<const Row> rows,
                                                std::span<const std::uint8_t> marked) const {
   std::vector<std::uint8_t> out(rows.size(), 0);
-  if (marked.empty()) return out;
+  if (std::ranges::all_of(marked, [](std::uint8_t mark) { return mark == 0; })) return out;
   for_each_index(rows.size(), [&](std::size_t k) {
     const PoseTester& tester = this->tester(table.model[rows[k]]);
     const Pose& pose = table.T_proposed[rows[k]];

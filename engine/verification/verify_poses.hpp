@@ -37,7 +37,7 @@ class PoseVerifier {
   /// damaged).
   Result<void> prepare(std::span<const std::uint32_t> models);
   /// Pre: the model is prepared.
-  const PoseTester& tester(std::uint32_t model) const { return *testers_.at(model); }
+  const PoseTester& tester(std::uint32_t model) const { return *testers_[model]; }
 
   /// Score poses by a part of their samples, with the tolerance of an unrefined pose.
   void screen(PoseTable& table, std::span<const Row> rows) const;
@@ -76,7 +76,7 @@ class PoseVerifier {
   const PreparedScene& scene_;
   const VerificationOptions& options_;
   StageTimes& times_;
-  std::map<std::uint32_t, std::unique_ptr<const PoseTester>> testers_;  // keyed by model
+  std::vector<std::unique_ptr<const PoseTester>> testers_;  // by model; null: not prepared
 };
 
 }  // namespace trivet::engine
