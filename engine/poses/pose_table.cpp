@@ -54,10 +54,10 @@ std::vector<Row> take_best(std::span<const float> column, std::size_t limit,
   std::vector<Row> best = by_falling(column, rows);
   best.resize(limit);
   std::ranges::sort(best);
-  const auto rest = std::ranges::stable_partition(
-      rows, [&](Row row) { return std::ranges::binary_search(best, row); });
-  std::vector<Row> taken(rows.begin(), rest.begin());
-  rows.erase(rows.begin(), rest.begin());
+  const auto rest = std::stable_partition(
+      rows.begin(), rows.end(), [&](Row row) { return std::ranges::binary_search(best, row); });
+  std::vector<Row> taken(rows.begin(), rest);
+  rows.erase(rows.begin(), rest);
   return taken;
 }
 

@@ -1,5 +1,6 @@
 #include "engine/scene/find_view.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
 #include <vector>

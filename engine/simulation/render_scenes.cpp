@@ -16,6 +16,7 @@
 #include "engine/simulation/make_parts.hpp"
 #include "kernels/common/counter_random.hpp"
 #include "kernels/simulation/deform_surface.hpp"
+#include "kernels/surfaces/diameter.hpp"
 #include "storage/datasets/write_bop.hpp"
 #include "storage/files/file.hpp"
 #include "storage/formats/read_cloud.hpp"

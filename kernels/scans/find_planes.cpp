@@ -36,24 +36,25 @@ struct LeftPoints {
 
 /// Least-squares fit to the inliers, weighted by area.
 Plane refit(const Plane& plane, const LeftPoints& left, float tolerance, float min_cosine) {
-  const auto& [points, normals, areas, taken] = left;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double sum = 0;
   const auto each = [&](auto&& body) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (taken[i] == 0 && lies_on(plane, points[i], normals[i], tolerance, min_cosine)) body(i);
+    for (std::size_t i = 0; i < left.points.size(); ++i) {
+      if (left.taken[i] == 0 &&
+          lies_on(plane, left.points[i], left.normals[i], tolerance, min_cosine))
+        body(i);
     }
   };
   each([&](std::size_t i) {
-    mean += static_cast<double>(areas[i]) * points[i].cast<double>();
-    sum += static_cast<double>(areas[i]);
+    mean += static_cast<double>(left.areas[i]) * left.points[i].cast<double>();
+    sum += static_cast<double>(left.areas[i]);
   });
   if (!(sum > 0)) return plane;
   mean /= sum;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   each([&](std::size_t i) {
-    const Eigen::Vector3d d = points[i].cast<double>() - mean;
-    scatter += static_cast<double>(areas[i]) * d * d.transpose();
+    const Eigen::Vector3d d = left.points[i].cast<double>() - mean;
+    scatter += static_cast<double>(left.areas[i]) * d * d.transpose();
   });
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scatter);
   Eigen::Vector3f normal = solver.eigenvectors().col(0).cast<float>();

@@ -9,6 +9,7 @@
 
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/library/model_json.hpp"
+#include "apps/service/serve/library/model_views.hpp"
 #include "apps/service/serve/library/near_turns.hpp"
 #include "storage/datasets/parse_symmetry.hpp"
 

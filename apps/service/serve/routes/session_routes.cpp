@@ -13,6 +13,7 @@
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/http/multipart.hpp"
 #include "apps/service/http/tar_stream.hpp"
+#include "apps/service/serve/library/model_views.hpp"
 #include "apps/service/serve/requests/scan_request.hpp"
 #include "apps/service/serve/routes/session_json.hpp"
 #include "apps/service/serve/session/session.hpp"
