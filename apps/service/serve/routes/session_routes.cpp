@@ -77,6 +77,7 @@ Result<ScanTruth> parse_scan_truth(const std::string& body, const ModelOfName& m
 /// The whole session as a tar file.
 HttpResponse archive_response(const std::vector<SessionFile>& files) {
   std::vector<TarEntry> entries;
+  entries.reserve(files.size());
   for (const SessionFile& file : files)
     entries.push_back({fmt::format("session/{}", file.name), file.file, file.num_bytes});
   HttpResponse response{200,
