@@ -1,4 +1,4 @@
-# What every target of the project is compiled with.
+# Compiler options of every target of the project.
 add_library(trivet_compiler INTERFACE)
 target_compile_features(trivet_compiler INTERFACE cxx_std_20)
 target_compile_options(trivet_compiler INTERFACE
@@ -11,9 +11,9 @@ target_compile_options(trivet_compiler INTERFACE
   $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1048576>)
 target_link_options(trivet_compiler INTERFACE -Wl,--gc-sections)
 
-# What makes a fault hard to use (tests/hardening.sh): the program ends at an overrun of the stack or of an array whose size is known;
-# its addresses are others at each start, and what the loader wrote is read-only. Containers are checked in storage and apps, where
-# what is not trusted comes in: with checks in the kernels, too, training took 13 % and recognition 26 % more instructions.
+# Hardening (tests/hardening.sh): the program ends at an overrun of the stack or of an array whose size is known; its addresses differ
+# at each start, and data that the loader wrote is read-only. Containers are checked in storage and apps, where untrusted data enters:
+# with checks in the kernels, too, training took 13 % and recognition 26 % more instructions.
 include(CheckPIESupported)
 check_pie_supported(LANGUAGES CXX)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
@@ -26,7 +26,7 @@ check_cxx_compiler_flag(-fcf-protection TRIVET_HAS_CF_PROTECTION)
 if(TRIVET_HAS_CF_PROTECTION)
   target_compile_options(trivet_compiler INTERFACE -fcf-protection)
 endif()
-if(NOT TRIVET_SANITIZE)  # whose own checks of the same functions see more
+if(NOT TRIVET_SANITIZE)  # the sanitizers check the same functions more thoroughly
   target_compile_options(trivet_compiler INTERFACE
     "$<$<CONFIG:Release,RelWithDebInfo,MinSizeRel>:-U_FORTIFY_SOURCE;-D_FORTIFY_SOURCE=2>")
 else()
@@ -53,7 +53,7 @@ function(compile_folders_together target)
     set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${group}")
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # What a source keeps to itself is still its own, though it is included now.
+  # Anonymous namespaces of sources remain internal, although the sources are included now.
   target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
 endfunction()
 
@@ -76,7 +76,7 @@ function(add_layer name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/trivet>)
   target_link_libraries(trivet_${name} PRIVATE $<BUILD_INTERFACE:trivet_compiler>)
   target_compile_features(trivet_${name} PUBLIC cxx_std_20)
-  # What nearly every source takes a second and more to parse. CLI11 belongs to none: it makes code wherever it is seen.
+  # Headers that take a second or more to parse in nearly every source. CLI11 is not among them: it emits code wherever it is included.
   target_precompile_headers(trivet_${name} PRIVATE <Eigen/Geometry> <algorithm> <cmath> <filesystem> <functional>
     <optional> <span> <string> <vector>)
   set_target_properties(trivet_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON EXPORT_NAME ${name})

@@ -1,11 +1,11 @@
-# What the libraries link to, for the build and for find_package(trivet), which includes this file.
+# Dependencies of the libraries, for the build and for find_package(trivet), which includes this file.
 # Every library is a Debian 12 package; scripts/packages.txt lists them.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(PNG REQUIRED)
-find_package(TIFF 4.5 REQUIRED)  # for limits and errors of one file
+find_package(TIFF 4.5 REQUIRED)  # version 4.5 has limits and errors per file
 find_package(ZLIB REQUIRED)
 find_package(embree 3.13 REQUIRED)
 

@@ -1,7 +1,7 @@
 # cmake --install, and find_package(trivet) for those who link to the libraries.
 include(CMakePackageConfigHelpers)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/trivet)
-set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)  # of what names no other
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)  # the component of files that name no other
 
 install(TARGETS trivet RUNTIME COMPONENT program)
 if(TRIVET_BUILD_MPI)

@@ -17,10 +17,10 @@ import point_pairs
 from read_library import check_checksums, digest, text
 
 NAME = "bracket_of_cubes"
-EDGE = 20.0  # of a cube [mm]
+EDGE = 20.0  # edge length of a cube [mm]
 RELATIVE_STEP = 0.04  # width of a distance bin and distance of the table's points [diameter]
 NUM_ANGLE_BINS = 15
-NUM_SAMPLES_A_SIDE, NUM_POINTS_A_SIDE = 6, 4  # of a face of a cube
+NUM_SAMPLES_A_SIDE, NUM_POINTS_A_SIDE = 6, 4  # number along an edge of a cube
 REFERENCE_SHARE = 4  # pairs start at every so many of the points
 NUM_VIEWS = 256
 
@@ -100,7 +100,7 @@ def pair_table(points: np.ndarray, normals: np.ndarray, seen: np.ndarray, num_re
         turn = point_pairs.turns(frames[r], d[kept])
         rows.append(np.stack([cell[kept], np.full(kept.sum(), r), turn], axis=1))
     table = np.concatenate(rows)
-    table = table[np.lexsort(table.T[::-1])]  # by cell, then reference, then turn
+    table = table[np.lexsort(table.T[::-1])]  # sorted by cell, then reference, then turn
     offsets = np.searchsorted(table[:, 0], np.arange(q.num_cells + 1))
     return offsets.astype(np.uint32), table[:, 1:].astype(np.uint16)
 
@@ -154,7 +154,7 @@ def make_model(solid: np.ndarray, scale: float) -> tuple[dict, dict]:
 
 def set_attributes(found: h5py.Group, values: dict) -> None:
     for name, value in values.items():
-        if isinstance(value, bytes):  # of fixed length, the empty text as one NUL
+        if isinstance(value, bytes):  # strings have a fixed length, the empty one is a single NUL
             found.attrs.create(name, np.bytes_(value), dtype=f"S{max(1, len(value))}")
         else:
             found.attrs[name] = value
@@ -207,7 +207,7 @@ def write_scan(path: str, solid: np.ndarray) -> np.ndarray:
     Returns T_scene_model [4, 4]. 320 x 240 pixels, noise of 0.2 mm along the rays.
     """
     looking = np.array([[-0.6, 0.8, 0], [0.48, 0.36, -0.8], [-0.64, -0.48, -0.6]])  # rows x, y, z
-    camera = np.array([50, 30, 30]) - 500 * looking[2]  # in the model's frame
+    camera = np.array([50, 30, 30]) - 500 * looking[2]  # position in the model's frame
     v, u = np.divmod(np.arange(320 * 240), 320)
     rays = np.stack([(u - 159.5) / 450, (v - 119.5) / 450, np.ones(len(u))], axis=1)
     origins, directions = np.broadcast_to(camera, rays.shape), rays @ looking

@@ -51,7 +51,7 @@ class Model:
 
 @dataclass(frozen=True)
 class Library:
-    unit: str  # of all lengths: m or mm
+    unit: str  # unit of all lengths: m or mm
     producer: str
     models: dict[str, Model] = field(default_factory=dict)
 
@@ -150,7 +150,7 @@ def read_library(path: str) -> Library:
             return Library(text(file, "length_unit"), text(file, "producer"), models)
     except FileNotFoundError:
         raise
-    except (KeyError, OSError, RuntimeError) as error:  # what HDF5 itself finds damaged
+    except (KeyError, OSError, RuntimeError) as error:  # HDF5 itself found damage
         raise LibraryError(str(error)) from error
 
 

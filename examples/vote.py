@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 import point_pairs
 from read_library import LibraryError, Model, read_library
 
-TURN_BINS = 30  # of an accumulator
+TURN_BINS = 30  # number of rotation bins of an accumulator
 REFERENCE_SHARE = 3  # every so many sampled points of the scene vote; 5 in the paper
 CLUSTER_DIAMETERS, CLUSTER_DEGREES = 0.1, 15.0
 NUM_REFINED = 30  # clusters, those of most votes first

@@ -34,7 +34,7 @@ make_bare() {
   mirror=$(sed -n 's/^deb \(.*\) bookworm main$/\1/p' <<<"$sources" | head -n 1)
   [ -n "$mirror" ] || fail "expected a mirror of Debian 12 in /etc/apt, found none"
 
-  # What was once fetched is fetched from here.
+  # Files that were fetched once come from this cache.
   local packages=${XDG_CACHE_HOME:-${HOME:-/root}/.cache}/trivet/packages
   mkdir -p "$packages/partial"
   debootstrap --variant=minbase --cache-dir="$packages" bookworm "$bare" "$mirror" >"$scratch/log" 2>&1 ||
@@ -55,7 +55,7 @@ make_bare() {
 
   mount -t proc proc "$bare/proc"
   mount --rbind /sys "$bare/sys"
-  mount --rbind /dev "$bare/dev"  # with /dev/shm
+  mount --rbind /dev "$bare/dev"  # /dev/shm included
   mount --bind "$packages" "$bare/var/cache/apt/archives"
 }
 

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kNumKeypoints = 1000;  // per model
 constexpr int kNumThresholds = 100;          // steps of the ratio
-constexpr float kReach = 0.5F;               // in support radii: nearer matches are right
+constexpr float kReach = 0.5F;               // [support radii]; nearer matches are correct
 
 struct StudiedModel {
   std::string name;

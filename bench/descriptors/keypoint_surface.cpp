@@ -19,7 +19,7 @@ namespace {
 constexpr double kSamplesPerPoint = 4;
 constexpr float kNormalRadius = 4;          // [resolutions]
 constexpr float kShareRadius = 2.5F;        // [resolutions]
-constexpr float kNormalClusterRad = 0.52F;  // as in engine/training/describe_model
+constexpr float kNormalClusterRad = 0.52F;  // the value of engine/training/describe_model
 
 /// Normals at `queries` of planes fitted to the surrounding samples, oriented like their faces.
 Normals fit_normals(PointsView samples, NormalsView face_normals, PointsView queries,

@@ -18,7 +18,7 @@ float relative_step(const benchmark::State& state) {
   return static_cast<float>(state.range(0)) / 1000;
 }
 
-// From the mesh to the model: samples, visibility, symmetry, points and table.
+// Training of a model from its mesh: samples, visibility, symmetry, points and table.
 void train_ours(benchmark::State& state) {
   const Part& bracket = parts()[0];
   const Cloud mesh = test::cloud_of(bracket.shape);
@@ -61,7 +61,7 @@ void refine_ours(benchmark::State& state) {
 }
 BENCHMARK(refine_ours)->Name("icp/ours")->Apply(whole_process);
 
-// From the scan to verified poses of both parts: normals, planes, sampling, voting, refinement,
+// Recognition from the scan to verified poses of both parts: normals, planes, sampling, voting, refinement,
 // selection.
 void recognize_ours(benchmark::State& state) {
   const Recognizer recognizer(trained_parts(relative_step(state)));

@@ -132,7 +132,7 @@ const auto* const kProject = add_row("project/ours", [](benchmark::State& state)
   return kNumKeypoints;
 });
 
-/// As many features as some models of a library have, and those of a scan: projected images of all
+/// Features as numerous as those of a few models in a library, and of a scan: projected images of all
 /// vertices of the relief and of the noisy keypoints.
 struct Index {
   FeaturePool pool;

@@ -16,7 +16,7 @@ try:
 except ImportError:
     sys.exit("bop_metrics.py needs numpy: apt-get install python3-numpy")
 
-SHARES = np.arange(0.05, 0.51, 0.05)  # of the diameter, and of VSD's pixels
+SHARES = np.arange(0.05, 0.51, 0.05)  # shares of the diameter, and of VSD's pixels
 PIXELS = np.arange(5, 51, 5)
 MILLIMETRES = np.arange(2, 21, 2)
 RECALLS = np.linspace(0, 1, 101)

@@ -39,7 +39,7 @@ run(${CMAKE_COMMAND} -S "${CMAKE_CURRENT_LIST_DIR}/c" -B "${BUILD}/c_consumer" -
 run(${CMAKE_COMMAND} --build "${BUILD}/c_consumer")
 find_parts("${BUILD}/c_consumer/find_parts")
 
-# The same by pkg-config, from a prefix that was moved, and with the header alone in C++, where nothing may warn.
+# The example is built by pkg-config, too, from a prefix that was moved, and with the header alone in C++, without warnings.
 find_program(PKG_CONFIG NAMES pkg-config pkgconf REQUIRED)
 file(REMOVE_RECURSE "${BUILD}/prefix_moved")
 file(RENAME "${prefix}" "${BUILD}/prefix_moved")

@@ -1,4 +1,4 @@
-"""What the tests of examples/ share. TRIVET_PROGRAM names the program, TRIVET_DATA real scans."""
+"""Fixtures that the tests of examples/ share. TRIVET_PROGRAM names the program, TRIVET_DATA real scans."""
 import json
 import os
 import subprocess
@@ -91,7 +91,7 @@ def reseal(path: Path) -> None:
 
 
 def detections(trivet, path: Path, *words) -> dict[str, np.ndarray]:
-    """What trivet recognizes: the poses [n, 4, 4] of each model, best first."""
+    """Recognize by trivet: the poses [n, 4, 4] of each model, best first."""
     trivet("recognize", *words, "--json", path)
     poses: dict[str, list] = {}
     for found in json.loads(path.read_text(encoding="utf-8"))["scenes"][0]["detections"]:

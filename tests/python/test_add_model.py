@@ -1,4 +1,4 @@
-"""What examples/add_model.py writes, trivet takes in, or says why not."""
+"""Trivet imports what examples/add_model.py writes, or reports why it cannot."""
 import shutil
 
 import h5py
@@ -15,7 +15,7 @@ NAME = add_model.NAME
 
 @pytest.fixture(scope="module")
 def pose(tmp_path_factory) -> np.ndarray:
-    """Where the model is in the scan."""
+    """Pose of the model in the scan."""
     scan = tmp_path_factory.mktemp("pose") / "scan.ply"
     return add_model.write_scan(str(scan), add_model.bracket())
 

@@ -99,7 +99,7 @@ def texts(options):
 
 
 def take(call):
-    """Read a result whole, and free it."""
+    """Read a complete result, and free it."""
     result, error = c_void_p(), Error()
     status = call(byref(result), byref(error))
     if status != OK:
@@ -178,7 +178,7 @@ def assert_same(found, scene, library):
 
 
 def points_of(depths, camera):
-    """In front of the camera, zero where nothing was measured."""
+    """Depths in front of the camera, zero where nothing was measured."""
     v, u = numpy.indices(depths.shape)
     z = depths * camera["depth_scale"]
     return numpy.stack([(u - camera["cx"]) * z / camera["fx"],
@@ -288,7 +288,7 @@ def test_four_threads_with_one_library_find_the_same(data):
         try:
             for _ in range(2):
                 found[thread] = recognize_depth(data.library, data.depths, data.camera)
-        except Exception as fault:  # told below: threads lose theirs
+        except Exception as fault:  # reported below, since threads lose their exceptions
             faults.append(fault)
 
     threads = [threading.Thread(target=work, args=(t,)) for t in range(4)]

@@ -30,7 +30,7 @@ def locales(tmp_path_factory):
     if not all((SOURCES / name).exists() for name in NAMES):
         pytest.skip("Debian's package locales is not installed")
     folder = tmp_path_factory.mktemp("locales")
-    for name in NAMES:  # its exit code tells of warnings, too
+    for name in NAMES:  # its exit code also reports warnings
         subprocess.run(["localedef", "--quiet", "-c", "-i", name, "-f", "UTF-8",
                         folder / f"{name}.UTF-8"], check=False, capture_output=True)
     return folder
@@ -56,7 +56,7 @@ def environment(folder, name):
 
 
 def without_times(thing):
-    """What a run says, but how long it took."""
+    """The output of a run without its times."""
     if isinstance(thing, dict):
         return {key: without_times(value) for key, value in thing.items()
                 if "seconds" not in key and key not in ("stages", "peak_bytes", "request_id")}
@@ -64,7 +64,7 @@ def without_times(thing):
 
 
 def told(output):
-    """JSON with its values; of text, which has times everywhere, how its numbers are written."""
+    """The values of JSON; of text, which contains times everywhere, the form of its numbers."""
     text = output.decode()
     if text.startswith("{"):
         return without_times(json.loads(text))
@@ -72,7 +72,7 @@ def told(output):
 
 
 def run_all(folder, locales, name, commands):
-    """What each command says, and the files that it writes."""
+    """The output of each command, and the files that it writes."""
     answers = {}
     folder.mkdir()
     for words in commands:
@@ -119,7 +119,7 @@ def test_commands_answer_alike(tmp_path, locales, plain_answers, name):
 
 
 def ask_service(locales, name, data):
-    """What it says of a scene that came with an option and a deadline in fractions."""
+    """The answer to a scene that came with an option and a deadline in fractions."""
     with subprocess.Popen([os.environ["TRIVET_PROGRAM"], "serve", data.file, "--port", "0",
                            "--drain-grace-ms", "0", "--log", "none"], stderr=subprocess.PIPE,
                           env=environment(locales, name)) as service:

@@ -165,7 +165,7 @@ def with_trimesh(points, triangles=None):
 
 @pytest.mark.parametrize("of", [with_open3d, with_trimesh])
 class TestObjectsOfOthers:
-    """Where the packages are installed; TestTrain of test_package.py has their layout."""
+    """The folder of the installed packages; TestTrain of test_package.py has their layout."""
 
     def test_are_trained_from(self, of, library, tmp_path):
         model = library[library.names[0]]

@@ -46,7 +46,7 @@ def without_times(scene):
 
 class TestRecognize:
     def test_gives_what_the_command_gives(self, tmp_path):
-        """Of a laser scan from points alone: every number the same."""
+        """Every number is the same for a laser scan from points alone."""
         if not (DATA / "uwa").is_dir():
             pytest.fail("TRIVET_DATA: expected uwa") if DATA.is_dir() else pytest.skip("no data")
         file = tmp_path / "uwa.h5"

@@ -56,7 +56,7 @@ def test_the_table_is_that_of_its_points(library, name):
         for stored, turn in zip(cells[of_r].tolist(), pairs.entries[of_r, 1].tolist()):
             num_exact += any((stored, (turn + off) % 65536) in own for off in (0, -1, 1))
     assert len(cells) > 1000
-    assert num_exact > 0.999 * len(cells)  # at borders of bins single precision decides
+    assert num_exact > 0.999 * len(cells)  # single precision decides at borders of bins
 
 
 @pytest.mark.parametrize("place", [

@@ -46,7 +46,7 @@ def table(folder, convention, *options):
 
 
 def rotation_of(row, convention):
-    """By the definitions in the controllers' manuals."""
+    """Rotations by the definitions in the controllers' manuals."""
     numbers = [float(value) for value in list(row.values())[9:-1]]
     match convention:
         case "quaternion":

@@ -1,4 +1,4 @@
-"""What scripts/sbom writes of the built program. TRIVET_PROGRAM names it, in the folder of its build."""
+"""The bill of materials that scripts/sbom writes of the built program. TRIVET_PROGRAM names it, in the folder of its build."""
 
 import json
 import os

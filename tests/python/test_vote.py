@@ -81,7 +81,7 @@ def bin_scene(trivet, data, tmp_path_factory):
     return read_library(str(folder / "bin.h5")).models, points, found
 
 
-# With six turns and six flips, with an axis and a flip; those of the laser scan are without symmetry.
+# Models with six turns and six flips, and with an axis and a flip; those of the laser scan have no symmetry.
 @pytest.mark.parametrize("name", ["gear", "pipe"])
 def test_agrees_with_trivet_on_a_bin_of_parts(bin_scene, name):
     models, points, found = bin_scene
