@@ -77,7 +77,7 @@ Result<void> write_comparison(const CompareArguments& arguments) {
 void add_compare(CLI::App& app, Context& context) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App* command = app.add_subcommand(
-      "compare", "Tell what two results over the same scenes found, and which of them alone");
+      "compare", "Report what two results over the same scenes found, and which of them alone");
   command
       ->add_option(
           "A", arguments->a,

@@ -227,7 +227,7 @@ void add_evaluate(CLI::App& app, Context& context) {
   add_open_options(*command, arguments->opening);
   command
       ->add_flag("--explain-missed", arguments->explain_missed,
-                 "Tell in JSON and report why each missed instance is not found; its scene is "
+                 "State in JSON and report why each missed instance is not found; its scene is "
                  "recognized once more")
       ->excludes("--detections");
   command->add_option("--json", arguments->json,

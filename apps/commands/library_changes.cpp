@@ -97,7 +97,7 @@ Result<void> import_file(const ChangeArguments& arguments, const Context& contex
         return unpack(arguments, {{}, context.stop});
       },
       {ErrorCode::bad_data, arguments.file + ": HDF5 broke down over it: the file is damaged; copy "
-                                             "it again or train it anew"});
+                                             "it again or train the library again"});
 }
 
 }  // namespace
@@ -127,7 +127,7 @@ void add_library_changes(CLI::App& library, Context& context) {
                         "Leave out models that cannot be trained, and write the others");
   add_command->add_option("--json", arguments->json,
                           "Write what was trained as JSON to this file, - for standard output");
-  add("remove", "Take models out of the library", remove)
+  add("remove", "Remove models from the library", remove)
       ->add_option("NAME", arguments->names, "Names of models")
       ->required();
   CLI::App* const rename_command = add("rename", "Give a model another name", rename);
@@ -151,7 +151,7 @@ void add_library_changes(CLI::App& library, Context& context) {
       ->capture_default_str();
   add_output(export_command, "Folder for them");
   add_output(add("import",
-                 "Take in a library that another program stored anew\n\n"
+                 "Import a library that another program rewrote\n\n"
                  "HDF5's tools can chunk, compress and rearrange a file, as h5repack does. Such a "
                  "library\n"
                  "cannot be mapped; this checks it, unpacks it and writes it as trivet train does.",

@@ -7,7 +7,7 @@ namespace trivet::apps {
 void add_library(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "library",
-      "Look into library files, change them, compare them\n\n"
+      "Inspect library files, change them, compare them\n\n"
       "What changes a library takes time for what changes and for copying the rest. The file is\n"
       "replaced as a whole or not at all, and has the bytes of one that was trained so.");
   command->require_subcommand(1);

@@ -43,9 +43,9 @@ void reload(LibrarySlot& slot, Daemon& daemon) {
   slot.reload([&log](const Result<void>& done) {
     notify_systemd("READY=1");
     if (done) {
-      log.write("info", "library read anew");
+      log.write("info", "library reloaded");
     } else {
-      log.write("error", "library not read anew", {{"error", done.error().message}});
+      log.write("error", "library not reloaded", {{"error", done.error().message}});
     }
   });
 }
@@ -212,7 +212,7 @@ void add_serve(CLI::App& app, Context& context) {
       "Recognize over HTTP, with a page to try it\n\n"
       "POST /v1/recognize?format=ply takes a scan as its body and the options of `trivet "
       "recognize`\n"
-      "as parameters; / is the page. SIGHUP or POST /v1/library/reload read the library anew;\n"
+      "as parameters; / is the page. SIGHUP or POST /v1/library/reload reload the library;\n"
       "SIGTERM answers what came in, then ends.");
   auto arguments = std::make_shared<SettingArguments>();
   ServeSettings defaults;

@@ -22,9 +22,10 @@ void add_train(CLI::App& app, Context& context) {
   CLI::App* command = app.add_subcommand(
       "train",
       "Train models into one library file\n\n"
-      "Models of the file whose sources and parameters are unchanged are taken over; the result "
+      "Models of the file whose sources and parameters are unchanged are reused; the result "
       "is\n"
-      "that of training all anew. What is trained is kept in LIBRARY.parts until the file is\n"
+      "that of training everything again. What is trained is kept in LIBRARY.parts until the file "
+      "is\n"
       "written: a run that was stopped or killed is gone on with by the same command.");
   add_train_options(*command, *arguments);
   command->callback([arguments, &context] {

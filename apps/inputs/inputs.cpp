@@ -313,10 +313,11 @@ Result<SceneInput> read_standard_input(SceneInput input) {
   if (!bytes) return bytes.error();
   if (input.format.empty()) input.format = format_by_content(*bytes);
   if (input.format.empty() && !bytes->empty()) {
-    return Error{ErrorCode::usage,
-                 fmt::format("standard input: its bytes do not tell the format; give --format, one "
-                             "of {}",
-                             fmt::join(cloud_extensions(), ", "))};
+    return Error{
+        ErrorCode::usage,
+        fmt::format("standard input: its bytes do not identify the format; give --format, one "
+                    "of {}",
+                    fmt::join(cloud_extensions(), ", "))};
   }
   input.file = "-";
   input.bytes = std::make_shared<const std::vector<std::byte>>(*std::move(bytes));

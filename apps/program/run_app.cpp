@@ -105,7 +105,7 @@ void add_common_options(CLI::App& app, Context& context) {
       app.add_option_function<std::string>(
           "--progress",
           [&context](const std::string& form) { context.console.json_progress = form == "json"; },
-          "How progress is told on standard error: text, or json, an object a line with "
+          "Format of progress on standard error: text, or json, an object a line with "
           "stage, done, total, item and seconds, also with --quiet"),
       {"text", "json"})
       ->type_name("FORM")

@@ -62,13 +62,14 @@ void add_output_options(CLI::App& command, OutputArguments& arguments) {
       ->type_name("FOLDER");
   command
       .add_option("--bop-csv", arguments.bop_csv,
-                  "Write the poses found in BOP data sets to this file, as BOP takes them: also "
+                  "Write the poses found in BOP data sets to this file, as BOP expects them: also "
                   "those that are too low to be reported, down to a score of 0.1")
       ->type_name("FILE");
   command
-      .add_option("--coco", arguments.coco,
-                  "Write masks and boxes of the same poses to this file (JSON), as BOP takes them "
-                  "for detection and segmentation in images")
+      .add_option(
+          "--coco", arguments.coco,
+          "Write masks and boxes of the same poses to this file (JSON), as BOP expects them "
+          "for detection and segmentation in images")
       ->type_name("FILE");
   add_robot_options(command, arguments);
 }

@@ -40,7 +40,7 @@ std::string headline(const RecognitionReport& report) {
                       counted(report.scenes.size(), "scene", "scenes"));
   }
   if (ambiguous > 0) {
-    out += fmt::format(" {} ambiguous: the scan cannot tell the pose from another one.",
+    out += fmt::format(" {} ambiguous: the scan cannot distinguish the pose from another one.",
                        counted(ambiguous, "is", "are"));
   }
   if (!report.results.empty()) {

@@ -9,7 +9,7 @@ Result<void> failed_scenes(const std::vector<Error>& failures, std::size_t num_s
   if (num_scenes == 1) return failures.front();
   Error all{failures.front().code,
             fmt::format("{} of {} scenes failed{}:", failures.size(), num_scenes,
-                        failures.size() < num_scenes ? ", the others are told" : "")};
+                        failures.size() < num_scenes ? ", the others are reported" : "")};
   for (const Error& failure : failures) all.message += "\n" + failure.message;
   return all;
 }

@@ -9,8 +9,8 @@
 namespace trivet::apps {
 
 /// Success without any failure. A single error is returned as it is. Several become one error with
-/// the code of the first and a line for each, after "2 of 5 scenes failed, the others are told:" if
-/// there are other scenes.
+/// the code of the first and a line for each, after "2 of 5 scenes failed, the others are
+/// reported:" if there are other scenes.
 Result<void> failed_scenes(const std::vector<Error>& failures, std::size_t num_scenes);
 
 }  // namespace trivet::apps

@@ -35,7 +35,7 @@ Result<void> Daemon::read_tokens() {
   if (settings_.token_file.empty()) return {};
   Result<TokenFile> file = read_token_file(settings_.token_file);
   if (!file) {
-    log_.write("error", "tokens not read anew", {{"error", file.error().message}});
+    log_.write("error", "tokens not reloaded", {{"error", file.error().message}});
     return file.error();
   }
   if (file->is_readable_by_others) {

@@ -67,7 +67,7 @@ std::vector<Setting> settings_of(ListenSettings& settings) {
       text_setting(
           "token-file",
           "Ask for one of the bearer tokens of this file, one a line; others get 401; read "
-          "anew at SIGHUP",
+          "again at SIGHUP",
           s.token_file),
       number_setting("max-body-mb", "Larger bodies get 413", s.max_body_mb, 1, kMaxMb),
       number_setting("max-connections", "Open at a time; more wait", s.max_connections, 1, 100'000),

@@ -48,7 +48,7 @@ std::string trust(const Commissioning& found, std::size_t num_scans) {
   const std::size_t reported = found.after.right + found.after.wrong;
   const auto [low, high] = wilson_interval(found.after.right, reported);
   return fmt::format(
-      "believe it as far as {} tell: {} of {} reported detections are right, with 95 % "
+      "believe it as far as {} show: {} of {} reported detections are right, with 95 % "
       "certainty {:.0f} to {:.0f} %\n",
       counted(num_scans, "scan"), found.after.right, reported, 100 * low, 100 * high);
 }
@@ -62,7 +62,7 @@ std::string commission_text(const Commissioning& found, const Outcomes& outcomes
   if (!found.helps()) {
     return text +
            "no change of the score is better for the scans that it was not made from: it stays as "
-           "it is; more scans may tell more\n";
+           "it is; more scans may show more\n";
   }
   text += comparison(found, least);
   text += fmt::format(
@@ -94,7 +94,7 @@ std::string doubtful_marks(const kernels::ScoreModel& model, const Outcomes& out
     text += fmt::format("  {}: marked {}, scored {:.3f}\n", outcomes.scans[outcomes.scan[mark.row]],
                         outcomes.right[mark.row] != 0 ? "right" : "wrong", mark.score);
   }
-  return text.empty() ? text : "look whether these are marked well:\n" + text;
+  return text.empty() ? text : "check whether these are marked correctly:\n" + text;
 }
 
 }  // namespace trivet::apps

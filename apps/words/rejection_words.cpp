@@ -34,7 +34,7 @@ RejectionWords rejection_words(const SceneResult& result, const RejectedPose& re
       const std::string below = fmt::format("below {}", options.min_score);
       if (options.require_pose && rejected.score >= options.min_score)
         return {"this very pose is " + below,
-                joined({"the scan does not tell it from others of this place",
+                joined({"the scan does not distinguish it from others of this place",
                         explanation(result, rejected)})};
       return {below, joined({costliest_findings(score, rejected.parts),
                              lowered_from(score, rejected.parts, rejected.score),

@@ -16,16 +16,17 @@ std::optional<std::string> view_words(const SceneView& view) {
       break;
     case ViewSource::faces:
       if (!view.viewpoint)
-        return "taken as a whole surface, as no one place sees all its faces; if it is a scan, "
+        return "treated as a complete surface, as no one place sees all its faces; if it is a "
+               "scan, "
                "give "
                "its viewpoint";
       return fmt::format(
-          "taken as seen from {}, where its faces turn to; if the sensor stood "
+          "treated as seen from {}, where its faces turn to; if the sensor stood "
           "elsewhere, give its viewpoint",
           place());
     case ViewSource::assumed:
-      return fmt::format("taken as seen from {}; if the sensor stood elsewhere, give its viewpoint",
-                         place());
+      return fmt::format(
+          "treated as seen from {}; if the sensor stood elsewhere, give its viewpoint", place());
   }
   return std::nullopt;
 }

@@ -8,8 +8,8 @@
 
 namespace trivet::apps {
 
-/// "taken as seen from the origin; if the sensor stood elsewhere, give its viewpoint"; none if the
-/// caller or the file gave the viewpoint.
+/// "treated as seen from the origin; if the sensor stood elsewhere, give its viewpoint"; none if
+/// the caller or the file gave the viewpoint.
 std::optional<std::string> view_words(const SceneView& view);
 
 }  // namespace trivet::apps

@@ -123,14 +123,14 @@ Result<void> check(const ScoreModel& model, const Outcomes& outcomes) {
         ErrorCode::bad_data,
         fmt::format("expected at least {} scans with {} right and {} wrong detections, "
                     "found {} with {} and {}; add scans, and detections of low scores, "
-                    "which --min-score 0.02 lets a result tell",
+                    "which --min-score 0.02 lets a result contain",
                     kLeastScans, kLeastMarks, kLeastMarks, outcomes.scans.size(), right, wrong)};
   }
   const double of_right = mean_score(model, outcomes, 1), of_wrong = mean_score(model, outcomes, 0);
   if (of_right <= of_wrong) {
     return Error{ErrorCode::bad_data,
                  fmt::format("expected right detections of higher scores than wrong ones, found "
-                             "means of {:.2f} and {:.2f}; look whether right and wrong are "
+                             "means of {:.2f} and {:.2f}; check whether right and wrong are "
                              "swapped, or the truth is of other scans",
                              of_right, of_wrong)};
   }

@@ -37,7 +37,7 @@ inline constexpr std::array<Choice, 15> kImprovements{{
     {"planes", "points on planes larger than every model do not vote"},
     {"references", "a tenth of the sampled points are reference points, not a fifth"},
     {"ball", "pairs end within 0.4 diameters, in the second round 0.7, not a whole one"},
-    {"full-cells", "the fullest cells of a pair table, which tell least, do not vote"},
+    {"full-cells", "the fullest cells of a pair table, which distinguish least, do not vote"},
     {"normals", "normals are fitted to windows as wide as the scene's noise asks for"},
     {"refinement", "poses are refined by point-to-plane ICP"},
     {"visibility", "poses are scored by the surface that the sensor should see, not by votes"},

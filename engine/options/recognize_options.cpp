@@ -162,16 +162,17 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
       declare<TRIVET_FIELD(max_rejected)>(
           {.name = "rejected",
            .group = kAnswers,
-           .label = "rejected poses of a model that are told",
-           .help = "Poses per model that are told with the reason why they are no detections",
+           .label = "rejected poses of a model that are reported",
+           .help = "Poses per model that are reported with the reason why they are no detections",
            .range = {0, 100},
            .place = OptionPlace::service_only}),
       declare<TRIVET_FIELD(explain.point)>({.name = "explain",
                                             .group = kAnswers,
                                             .label = "place to explain",
-                                            .help = "Tell why models are found at the place x,y,z "
-                                                    "of the scene, or are not, in its frame "
-                                                    "and unit",
+                                            .help =
+                                                "Report why models are found at the place x,y,z "
+                                                "of the scene, or are not, in its frame "
+                                                "and unit",
                                             .unset_help = "none",
                                             .length = 3,
                                             .place = OptionPlace::not_in_studies}),
@@ -361,7 +362,7 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .range = {1, 10}}),
       declare<TRIVET_FIELD(match.num_lists)>({.name = "match-lists",
                                               .group = kMatching,
-                                              .label = "lists of the index looked into",
+                                              .label = "lists of the index searched",
                                               .help = "Lists of some 2,000 features of models that "
                                                       "each feature is compared with; more are "
                                                       "slower and more exact",

@@ -43,10 +43,11 @@ Result<Vector3f> find_viewpoint(const Cloud& cloud, const std::optional<Vector3d
   const Vector3d middle = spread.middle + cloud.offset;
   return Error{
       ErrorCode::bad_data,
-      fmt::format("{}: the points lie around ({:.10g}, {:.10g}, {:.10g}) and span {:.4g}, {:.4g} "
-                  "from the sensor: too far to tell what it sees of them; give its position in "
-                  "the file's frame with --viewpoint",
-                  name, middle.x(), middle.y(), middle.z(), spread.extent, distance)};
+      fmt::format(
+          "{}: the points lie around ({:.10g}, {:.10g}, {:.10g}) and span {:.4g}, {:.4g} "
+          "from the sensor: too far to determine what it sees of them; give its position in "
+          "the file's frame with --viewpoint",
+          name, middle.x(), middle.y(), middle.z(), spread.extent, distance)};
 }
 
 }  // namespace trivet::engine

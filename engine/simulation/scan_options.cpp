@@ -96,7 +96,7 @@ std::span<const Option<ScanOptions>> options_of<ScanOptions>() {
            .group = kHow,
            .label = "steps of disparity",
            .unit = "pixel",
-           .help = "Tell depth in such steps of disparity, as sensors that match images do: a "
+           .help = "Measure depth in such steps of disparity, as sensors that match images do: a "
                    "Kinect 0.125; 0: not",
            .unset_help = "the sensor's own",
            .range = {0, 8}}),
@@ -110,8 +110,8 @@ std::span<const Option<ScanOptions>> options_of<ScanOptions>() {
       declare<TRIVET_FIELD(randomize)>(
           {.name = "randomize",
            .group = kHow,
-           .label = "sensors and places drawn anew for each scene",
-           .help = "Draw anew for each scene how the sensor falls short of the ideal one, and "
+           .label = "sensors and places drawn again for each scene",
+           .help = "Draw for each scene how the sensor falls short of the ideal one, and "
                    "where it stands: windows that fatten outlines and fill recesses, noise that "
                    "neighbors share, holes on dark and bright surfaces, filters, an image that is "
                    "shifted, a camera and a depth scale that are written wrongly; focal length, "

@@ -82,7 +82,7 @@ std::vector<std::string> warn_of_model(const SurveyedModel& model) {
   }
   if (const double turned = share(model.num_turned, model.all_views.size()); turned > kMostTurned) {
     warnings.push_back(
-        fmt::format("{:.0f} % of its faces look inwards; they are taken the other "
+        fmt::format("{:.0f} % of its faces point inwards; they are used the other "
                     "way round",
                     100 * turned));
   }
@@ -93,7 +93,7 @@ std::vector<std::string> warn_of_model(const SurveyedModel& model) {
                     100 * open));
   }
   if (!model.has_faces() && model.vertices.size() < kFewestPoints) {
-    warnings.push_back(fmt::format("only {} points; {} or more, all around, tell its shape",
+    warnings.push_back(fmt::format("only {} points; {} or more, all around, show its shape",
                                    model.vertices.size(), kFewestPoints));
   }
   return warnings;

@@ -75,7 +75,7 @@ Appearance looks_like(std::span<const std::byte> bytes) noexcept {
   }
   if (is_utf16(head)) return {"text in UTF-16", "save it as UTF-8 or ASCII", {}};
   if (all.find_first_not_of('\0') == all.npos)
-    return {"nothing but zero bytes", "the copy or download broke off; make it anew", {}};
+    return {"nothing but zero bytes", "the copy or download broke off; make it again", {}};
   if (std::all_of(all.begin(), all.end(), is_blank)) return {"nothing but blanks", {}, {}};
 
   const std::size_t mark = head.starts_with("\xEF\xBB\xBF"sv) ? 3 : 0;

@@ -42,7 +42,7 @@ Result<MappedFile> MappedFile::open(const std::filesystem::path& file, std::uint
   TRIVET_TRY_ASSIGN(OpenedFile opened, open_regular(file, max_bytes));
   if (writers == Writers::others && !wait_for_rest(opened)) {
     return Error{ErrorCode::changed,
-                 fmt::format("{}: is being written; wait until it is whole", file.string())};
+                 fmt::format("{}: is being written; wait until it is complete", file.string())};
   }
   MappedFile out;
   if (opened.identity.size == 0) return out;

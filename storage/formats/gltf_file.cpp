@@ -117,7 +117,7 @@ Result<GltfParts> split_gltf(const Input& input) {
     return input.refuse("expected the header of a binary glTF file; the file is truncated");
   if (word(4) != 2) {
     return input.refuse(
-        fmt::format("expected version 2 of binary glTF, found {}; export it anew", word(4)));
+        fmt::format("expected version 2 of binary glTF, found {}; export it again", word(4)));
   }
   if (word(8) != input.bytes.size()) {
     return input.refuse(fmt::format("the header announces {} bytes, found {}; the file is {}",

@@ -65,7 +65,7 @@ Result<void> add_face(const Input& input, const TopoDS_Face& face, double scale,
   const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, location);
   if (triangles.IsNull()) {
     return input.refuse(
-        "a face of the STEP file cannot be cut into triangles; heal the model and export it anew");
+        "a face of the STEP file cannot be cut into triangles; heal the model and export it again");
   }
   const auto first = static_cast<std::uint32_t>(cloud.points.size());
   const std::uint64_t num_points =

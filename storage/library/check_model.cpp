@@ -256,8 +256,9 @@ std::string check_views(const Model& model) {
   if (!wrong.empty()) return wrong;
   const bool seen =
       std::ranges::any_of(views, [](const ViewMask& mask) { return mask != ViewMask{}; });
-  return seen ? ""
-              : "sample_views: expected directions that samples are seen from, found no bit set";
+  return seen
+             ? ""
+             : "sample_views: expected directions from which samples are visible, found no bit set";
 }
 
 }  // namespace

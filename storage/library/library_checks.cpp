@@ -49,7 +49,7 @@ Result<void> LibraryChecks::unchanged() const {
       ErrorCode::changed,
       fmt::format("{}: the library was changed in place after it was opened, so nothing is "
                   "answered from it; open or reload it, and replace a library in use by "
-                  "renaming a whole one over it (mv, not cp)",
+                  "renaming a complete one over it (mv, not cp)",
                   file_.string())};
 }
 

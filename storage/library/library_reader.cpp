@@ -99,7 +99,7 @@ Result<void> check_superblock(const fs::path& file, std::span<const std::byte> b
   if (version < 2 || version > 3 || bytes[kOffsetSize] != std::byte{8}) {
     return bad(fmt::format(
         "expected an HDF5 superblock of version 2 or 3 with 8-byte offsets, found version {}: "
-        "another program wrote it; `trivet library import` takes such a file in",
+        "another program wrote it; `trivet library import` imports such a file",
         version));
   }
   std::uint64_t end = 0;
@@ -285,7 +285,7 @@ Result<Library> open(const fs::path& file, Writers writers, bool whole) {
     return Error{
         ErrorCode::changed,
         fmt::format("{}: was changed while it was opened; open it again when it is written, "
-                    "and replace a library in use by renaming a whole one over it",
+                    "and replace a library in use by renaming a complete one over it",
                     file.string())};
   }
 }

@@ -180,7 +180,7 @@ Result<void> Scanner::visit_once(hid_t object, const std::string& path) {
 }
 
 Result<void> Scanner::check_in_place(hid_t creation, const std::string& path) const {
-  constexpr const char* kMend = "; `trivet library import` takes such a file in";
+  constexpr const char* kMend = "; `trivet library import` imports such a file";
   if (H5Pget_layout(creation) != H5D_CONTIGUOUS)
     return bad(path, fmt::format("expected a contiguous dataset, found another layout{}", kMend));
   if (H5Pget_nfilters(creation) != 0) {
@@ -368,8 +368,8 @@ Result<OpenFile> open_file(const std::filesystem::path& file, const Scanner& sca
   const hdf5::Handle access = hdf5::file_access();
   OpenFile out{hdf5::Handle(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get())), {}};
   if (!out.file)
-    return scanner.bad("",
-                       "HDF5 cannot open the file: it is damaged; copy it again or train it anew");
+    return scanner.bad(
+        "", "HDF5 cannot open the file: it is damaged; copy it again or train the library again");
   out.root = hdf5::Handle(H5Gopen2(out.file.get(), "/", H5P_DEFAULT));
   if (!out.root) return scanner.bad("", "the root group cannot be opened: the file is damaged");
   TRIVET_TRY(check_version(scanner, out.root.get()));

@@ -20,7 +20,7 @@ std::vector<Setting> settings_of(ServeSettings& settings) {
       text_setting("library", "Library file, made by `trivet train`", s.library),
       text_setting("calibration",
                    "Score as `trivet calibrate` adapted it to these scans, from this file; read "
-                   "anew with the library",
+                   "again with the library",
                    s.calibration),
       number_setting("memory",
                      "Memory, a fourth for what the library keeps of what scenes needed, the rest "

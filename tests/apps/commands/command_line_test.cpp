@@ -55,7 +55,7 @@ TEST_F(CommandLine, IsDescribedByThePageOfTheDocuments) {
   const test::Outcome outcome = run({"--help-markdown"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_TRUE(outcome.out == test::read_bytes(TRIVET_SOURCES "/docs/cli.md"))
-      << "write it anew: trivet --help-markdown > docs/cli.md";
+      << "update it: trivet --help-markdown > docs/cli.md";
 }
 
 TEST_F(CommandLine, NamesOptionsInTheOrderInWhichOneNeedsThem) {

@@ -299,7 +299,7 @@ TEST_F(AccessToAService, IsForThoseWithAToken) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
   for (const char* const token : {"first-token", "second-token", "wrong-token"})
     EXPECT_EQ(outcome.error.find(token), std::string::npos) << "a token in the log";
-  EXPECT_NE(outcome.error.find("tokens not read anew"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("tokens not reloaded"), std::string::npos) << outcome.error;
   folder_.write("tokens", "\n");
   const auto refused = serve({"--token-file", "tokens", "--check-config"}, [](int) {});
   EXPECT_EQ(refused.exit_code, 2) << refused.error;

@@ -305,7 +305,7 @@ TEST_F(Serve, LogsALineARecognition) {
   EXPECT_GT(logged[0]["work_seconds"], 0.0);
   EXPECT_GT(logged[0]["detections"], 0);
   EXPECT_EQ(logged[1]["code"], 400);
-  EXPECT_NE(logged[1]["request_id"], "a\"b") << "only plain ids are taken over";
+  EXPECT_NE(logged[1]["request_id"], "a\"b") << "only plain ids are accepted";
   EXPECT_EQ(logged[2]["msg"], "ending");
   EXPECT_EQ(logged[3]["msg"], "every request was answered");
 }

@@ -43,7 +43,7 @@ TEST(MadeOnce, IsMadeAnewWhereMakingThrew) {
         ++num_thrown;
       }
     });
-    EXPECT_EQ(num_thrown, 3) << "who only waited makes it anew";
+    EXPECT_EQ(num_thrown, 3) << "those who only waited make it again";
     EXPECT_EQ(num_tried, 4);
     EXPECT_EQ(value.get([]() -> int { throw std::logic_error("it is there"); }), 7);
   }

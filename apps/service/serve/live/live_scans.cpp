@@ -138,7 +138,8 @@ std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
   const std::string name = shown_name(arrival.file);
   if (!arrival.is_whole) {
     scan.error = fmt::format(
-        "{}: is written again and again and never rests, so it is never whole; write each scan "
+        "{}: is written again and again and never stays unchanged, so it is never complete; write "
+        "each scan "
         "under another name and rename it, or let --watch-rest-ms be less",
         name);
     return scan;

@@ -14,7 +14,7 @@ constexpr const char* kStages[]{"decode",       "prepare",   "subsample",   "vot
 
 Metrics::Metrics()
     : rejections_(counters("trivet_rejected_total", "Recognitions not done.")),
-      reloads_(counters("trivet_reload_total", "Libraries read anew.")),
+      reloads_(counters("trivet_reload_total", "Libraries reloaded.")),
       stages_(durations("trivet_stage_duration_seconds", "Of a scene, by stage.")),
       queue_(duration_of(
           durations("trivet_queue_wait_seconds", "Of recognitions, before they begin."), {})) {
@@ -52,7 +52,7 @@ HttpResponse Metrics::response(const Gauges& gauges) const {
                 gauges.library_changed),
       gauge_now("trivet_library_generation", "Of the library that answers, from 1.",
                 gauges.generation),
-      counter_now("trivet_log_dropped_total", "Lines of the log that nobody took.",
+      counter_now("trivet_log_dropped_total", "Lines of the log that nobody read.",
                   gauges.dropped_lines),
   });
 }

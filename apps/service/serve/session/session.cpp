@@ -282,7 +282,7 @@ SessionResult<KeptScan> Session::put_truth(const std::string& name, const ScanTr
       !expects_version(expected, version)) {
     SessionError stale = refuse(
         SessionFault::stale, fmt::format("scan '{}': expected the truth of version {}, found {}: "
-                                         "someone else told it meanwhile",
+                                         "someone else changed it meanwhile",
                                          name, expected, version));
     stale.kept_scan = kept_scan(name, scan->second);
     return stale;
