@@ -103,7 +103,7 @@ TEST_F(Bop, NamesModelsAsTheDataSetDoes) {
   EXPECT_NE(outcome.error.find("'mm'"), std::string::npos) << outcome.error;
 }
 
-TEST_F(Bop, WritesResultsThatTheBenchmarkTakes) {
+TEST_F(Bop, WritesResultsThatTheBenchmarkAccepts) {
   const test::Outcome outcome = run({"recognize", "set.h5", "set", "--bop-csv", "found.csv"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const auto results = read_bop_results(*folder_ / "found.csv");
@@ -234,7 +234,7 @@ TEST_F(Bop, JudgesADataSetRecognizedNowOrByAFileOfResults) {
   EXPECT_EQ(refused.exit_code, 66) << refused.error;
 }
 
-TEST_F(Bop, TakesTheCameraOfAnImageFromSceneCamera) {
+TEST_F(Bop, ReadsTheCameraOfAnImageFromSceneCamera) {
   const std::string scene = "set/test/000001/", camera = scene + "scene_camera.json";
   const auto found = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"recognize", "set.h5"});

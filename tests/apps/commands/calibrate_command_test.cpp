@@ -79,7 +79,7 @@ class CalibrateCommand : public testing::Test {
   const test::TempDir folder_;
 };
 
-TEST_F(CalibrateCommand, TellsWhatMarkedDetectionsChange) {
+TEST_F(CalibrateCommand, ReportsWhatMarkedDetectionsChange) {
   folder_.write("found.json", marked_result(5).dump());
   const test::Outcome outcome = run({"calibrate", "--marked", "found.json", "-o", "cell.json"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;

@@ -130,7 +130,7 @@ TEST_F(CommandLine, CallsModelsByTheirFilesWhateverTheseAreCalled) {
                     "expected a name of letters and digits of any script"));
 }
 
-TEST_F(CommandLine, TellsEveryModelThatCannotBeTrained) {
+TEST_F(CommandLine, ReportsEveryModelThatCannotBeTrained) {
   const std::string box =
       "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   std::filesystem::create_directory(folder_ / "models");

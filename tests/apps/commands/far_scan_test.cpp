@@ -99,7 +99,7 @@ TEST_F(FarScan, IsEvaluatedAgainstTruthInItsOwnFrame) {
   }
 }
 
-TEST_F(FarScan, TakesExpectedPosesBack) {
+TEST_F(FarScan, ReadsExpectedPosesBack) {
   run({"recognize", "library.h5", "far.xyz", "--viewpoint", kViewpoint, "--expected", "far.json",
        "--rounds", "0", "--json", "again.json"});
   ASSERT_EQ(scene("again.json").at("detections").size(), 1U);

@@ -116,7 +116,7 @@ TEST_F(Help, CompletesInFish) {
   EXPECT_EQ(offered("trivet recognize --ablate clusters,pl"), "clusters,planes\n");
 }
 
-TEST_F(Help, IsTakenByZsh) {
+TEST_F(Help, IsAcceptedByZsh) {
   if (shell("command -v zsh").exit_code != 0) GTEST_SKIP() << "needs zsh";
   const test::Outcome outcome =
       shell(TRIVET_PROGRAM
@@ -127,7 +127,7 @@ TEST_F(Help, IsTakenByZsh) {
 }
 
 // Shell metacharacters in a description or a value stay part of that text.
-TEST_F(Help, QuotesWhatShellsWouldTakeForSyntax) {
+TEST_F(Help, QuotesShellSyntax) {
   CLI::App app{"It's $(odd)"};
   std::string value;
   app.add_option("--odd", value, "It's [an] option: `x` \\ $HOME \"y\"");

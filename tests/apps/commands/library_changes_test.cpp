@@ -42,7 +42,7 @@ class LibraryChanges : public testing::Test {
   static inline std::string bytes_;
 };
 
-TEST_F(LibraryChanges, TakeModelsOutAndIn) {
+TEST_F(LibraryChanges, RemoveAndAddModels) {
   does({"library", "remove", "library.h5", "lever"});
   EXPECT_EQ(does({"library", "list", "library.h5"}), "bracket\n");
   does({"library", "add", "library.h5", "lever.ply"});
@@ -62,7 +62,7 @@ TEST_F(LibraryChanges, RenameAModel) {
   fails({"library", "rename", "library.h5", "handle", "arm"}, "handle");
 }
 
-TEST_F(LibraryChanges, MergeWhatWasTakenApart) {
+TEST_F(LibraryChanges, MergeWhatWasSplit) {
   for (const std::string file : {"one.h5", "other.h5"}) folder_->write(file, bytes_);
   does({"library", "remove", "one.h5", "bracket"});
   does({"library", "remove", "other.h5", "lever"});
@@ -86,7 +86,7 @@ TEST_F(LibraryChanges, ExportWhatTrainsToTheSame) {
             std::string::npos);
 }
 
-TEST_F(LibraryChanges, VerifyTellsDamage) {
+TEST_F(LibraryChanges, VerifyReportsDamage) {
   EXPECT_NE(does({"library", "verify", "library.h5"}).find("2 models"), std::string::npos);
   std::string damaged = bytes_;
   damaged[damaged.size() / 2] ^= 1;

@@ -91,7 +91,7 @@ TEST_F(LibraryImport, RefusesWhatIsDamagedAndSaysWhere) {
 }
 
 // Old structures have no checksums, and HDF5 may end the process when it trusts them.
-TEST(InChild, TellsWhatBecameOfTheWork) {
+TEST(InChild, ReportsTheOutcomeOfTheWork) {
   const Error broken{ErrorCode::bad_data, "broken"};
   EXPECT_TRUE(apps::in_child([] { return Result<void>(); }, broken));
 

@@ -56,7 +56,7 @@ TEST_F(MeshCommand, KeepsTheFacesOfAFile) {
   EXPECT_EQ(cloud.triangles.b, (Column<std::uint32_t>{2, 1}));
 }
 
-TEST_F(MeshCommand, TellsSharesAsWholeNumbersWhereTheyAreLarge) {
+TEST_F(MeshCommand, PrintsLargeSharesAsIntegers) {
   folder_.write("triangle.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 2 1\n");
   const test::Outcome outcome = run({"mesh", "triangle.off", "-o", "out.ply"});
   EXPECT_NE(outcome.error.find(", 100 % of the edges open,"), std::string::npos) << outcome.error;

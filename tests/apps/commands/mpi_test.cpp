@@ -99,7 +99,7 @@ TEST_F(Mpi, EndsWhenARankDiesAndGoesOn) {
   EXPECT_TRUE(bytes("killed.h5") == bytes("one.h5"));
 }
 
-TEST_F(Mpi, TellsOfAllModelsThatCannotBeTrained) {
+TEST_F(Mpi, ReportsAllModelsThatCannotBeTrained) {
   folder_->write("broken.ply", "ply\n");
   std::vector<std::string> arguments = train_arguments("none.h5");
   arguments.insert(arguments.end(), {"broken.ply", "gone=nowhere.ply"});

@@ -82,7 +82,7 @@ TEST_F(Scan, RandomizesEachScene) {
   for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(manifest["scenes"][i], again["scenes"][i]);
 }
 
-TEST_F(Scan, TellsOneTruthInTheManifestAndInBopsFiles) {
+TEST_F(Scan, WritesOneTruthInTheManifestAndInBopsFiles) {
   const test::Outcome outcome = run({"scan", "--parts", "2", "-o", "out", "--scenes", "2",
                                      "--instances", "3", "--sensor", "laser", "--bin"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;

@@ -89,7 +89,7 @@ TEST_F(StandardOutput, IsWrittenEvenWhereStandardErrorCannotBe) {
             66);
 }
 
-TEST_F(StandardOutput, TellsLengthsWithTheirUnit) {
+TEST_F(StandardOutput, PrintsLengthsWithTheirUnit) {
   for (const auto& [option, unit] : {std::pair{"", "m"}, {" --unit mm", "mm"}}) {
     const std::string scan = std::string(unit) == "m" ? "scan.ply" : "scan_mm.ply";
     const test::Outcome outcome = run("recognize library.h5 " + scan + option);
@@ -132,7 +132,7 @@ TEST_F(StandardOutput, CountsOneThingAsOne) {
       << trained.error;
 }
 
-TEST_F(StandardOutput, TellsProgramsOfProgress) {
+TEST_F(StandardOutput, ReportsProgressToPrograms) {
   const test::Outcome outcome =
       run("recognize library.h5 scan.ply scan.ply --progress json --quiet");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;

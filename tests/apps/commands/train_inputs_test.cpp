@@ -48,7 +48,7 @@ void expect_says(const std::string& text, const std::string& words) {
   EXPECT_NE(text.find(words), std::string::npos) << text;
 }
 
-TEST_F(TrainInputs, TellWhatOfAFolderIsLeftOut) {
+TEST_F(TrainInputs, ReportFilesOfAFolderThatAreLeftOut) {
   put("parts/Halter", test::bracket());
   put("parts/Mutter", test::lever());
   put("parts/sub/Winkel", test::bracket());

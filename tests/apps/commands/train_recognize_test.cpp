@@ -139,7 +139,7 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
 }
 
 // Lengths are in the file's unit, except for `noise` of the scene, which is in the library's.
-TEST_F(TrainRecognize, TellsHowTheScanErrs) {
+TEST_F(TrainRecognize, ReportsTheErrorsOfTheScan) {
   constexpr float kNoise = 5e-4F;
   Cloud scan = test::render_scan({{&bracket_, truth()}});
   test::Random random;
@@ -170,7 +170,7 @@ TEST_F(TrainRecognize, TellsHowTheScanErrs) {
               10 * kNoise);
 }
 
-TEST_F(TrainRecognize, TellsNoSensorOfAClosedSurface) {
+TEST_F(TrainRecognize, ReportsNoSensorOfAClosedSurface) {
   test::Shape whole = bracket_.moved(truth());
   // Faces form a closed surface if they share their corners.
   for (auto* const corners : {&whole.triangles.a, &whole.triangles.b, &whole.triangles.c}) {
@@ -281,7 +281,7 @@ TEST_F(TrainRecognize, ReportsScenesOfEveryKind) {
   EXPECT_NE(bytes("depth/index.html").find("1 bracket"), std::string::npos);
 }
 
-TEST_F(TrainRecognize, TakesAScanFromStandardInputInAnyFormat) {
+TEST_F(TrainRecognize, ReadsAScanFromStandardInputInAnyFormat) {
   nlohmann::json expected = recognized();
   const Result<Cloud> scan = read_cloud(*folder_ / "scan.ply");
   ASSERT_TRUE(scan) << scan.error().message;
@@ -408,7 +408,7 @@ TEST_F(TrainRecognize, ListsTheModelsOfALibrary) {
     EXPECT_NE(info.find(text), std::string::npos) << info;
 }
 
-TEST_F(TrainRecognize, TellsProgramsWhatALibraryHolds) {
+TEST_F(TrainRecognize, ReportsTheContentsOfALibraryToPrograms) {
   const test::Outcome outcome = run({"library", "info", "library.h5", "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   const nlohmann::json info = nlohmann::json::parse(outcome.out);
@@ -432,7 +432,7 @@ TEST_F(TrainRecognize, TellsProgramsWhatALibraryHolds) {
   EXPECT_TRUE(bracket.at("symmetry").at("axis").is_null());
 }
 
-TEST_F(TrainRecognize, TakesAManifestForModelsAndScenes) {
+TEST_F(TrainRecognize, ReadsModelsAndScenesFromAManifest) {
   folder_->write("set.json",
                  R"({"unit": "m", "models": {"part": {"file": "bracket.ply"}},
                      "scenes": [{"file": "scan.ply", "camera": null, "viewpoint": null, "truth": []}]})");

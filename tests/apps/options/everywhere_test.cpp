@@ -72,7 +72,7 @@ TEST(RecognizeOption, IsASettingOfStudies) {
   }
 }
 
-TEST(RecognizeOption, IsToldByReportsAndTrainOptionByLibraries) {
+TEST(RecognizeOption, IsListedInReportsAndTrainOptionInLibraries) {
   const test::TempDir folder;
   const test::Shape bracket = test::bracket();
   ASSERT_TRUE(write_ply(folder / "bracket.ply", test::cloud_of(bracket)));

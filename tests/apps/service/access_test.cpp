@@ -168,7 +168,7 @@ TEST(TokenFile, IsReadLineByLineAndNeverRepeated) {
   EXPECT_FALSE(read_token_file(folder / "none"));
 }
 
-TEST(CheckPath, TakesWhatCanBeReadInOneWay) {
+TEST(CheckPath, AcceptsUnambiguousTokens) {
   for (const char* const good :
        {"/", "/v1/models", "/v1/models/", "/v1/models/a%20b/mesh.ply", "/v1/models/%C3%A4",
         "/v1/models/bolt(1),2;a=@:!$&'*+", "/a/...", "/a.b/..c", "/v1/models/50%25",

@@ -36,7 +36,7 @@ class ChangedLibrary : public ServeFixture {
   std::string bytes_, scan_;
 };
 
-TEST_F(ChangedLibrary, IsRefusedByNameUntilItIsReadAnew) {
+TEST_F(ChangedLibrary, IsRefusedByNameUntilItIsReloaded) {
   const Outcome outcome = serve({}, [&](int port) {
     const Answer before = ask(port, "POST", query_, scan_);
     ASSERT_EQ(before.status, 200);
@@ -76,7 +76,7 @@ TEST_F(ChangedLibrary, IsRefusedByNameUntilItIsReadAnew) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(ChangedLibrary, IsToldInTheLogThoughNobodyAsks) {
+TEST_F(ChangedLibrary, IsLoggedWithoutARequest) {
   const Outcome outcome = serve({}, [&](int port) {
     ASSERT_EQ(ask(port, "GET", "/v2/health/ready").status, 200);
     overwrite(bytes_);

@@ -105,7 +105,7 @@ TEST_F(Examples, InferFromAnArray) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(Examples, PrometheusTakesTheMetrics) {
+TEST_F(Examples, PrometheusAcceptsTheMetrics) {
   if (std::string(TRIVET_PROMTOOL).empty()) GTEST_SKIP() << "promtool is not installed";
   const test::Outcome outcome = serve({}, [&](int port) {
     test::ask(port, "POST", query_, test::read_bytes(depth_));

@@ -77,7 +77,7 @@ TEST(HttpServer, AnswersWhoWasConnectedByTheSystemBeforeTheDoorClosed) {
   EXPECT_FALSE(test::Connection(server->port()).is_open());
 }
 
-TEST(HttpServer, TellsWhoHasGone) {
+TEST(HttpServer, DetectsClosedConnections) {
   std::promise<HttpRequest> asked[3];
   std::vector<HttpAnswer> answers;  // of the network thread until a request is reported
   const auto handle = [&](HttpRequest request, HttpAnswer answer) {
@@ -104,7 +104,7 @@ TEST(HttpServer, TellsWhoHasGone) {
   for (const HttpAnswer& answer : answers) answer({200, "done"});
 }
 
-TEST(HttpServer, TakesTargetsThatNameTheHost) {
+TEST(HttpServer, AcceptsTargetsThatNameTheHost) {
   const Result<HttpServer> server = start_echo();
   ASSERT_TRUE(server) << server.error().message;
   for (const auto& [given, taken] : std::vector<std::pair<std::string, std::string>>{

@@ -94,7 +94,7 @@ TEST(ParseInference, RefusesOutputsThatAreNone) {
   refuses({{{"parameters", {{"binary_data", true}}}}}, "name");
 }
 
-TEST(ParseInference, TakesWhatTritonsClientsSayOfScheduling) {
+TEST(ParseInference, AcceptsWhatTritonsClientsSayOfScheduling) {
   const auto parse = [](const nlohmann::json& parameters) {
     return parse_inference(nlohmann::json{{"inputs", {kPoint}}, {"parameters", parameters}}.dump(),
                            {});

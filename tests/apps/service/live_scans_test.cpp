@@ -67,7 +67,7 @@ TEST_F(LiveScans, AreRecognizedAsTheyCome) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(LiveScans, AreTakenInWholeThoughTheyAreWrittenSlowly) {
+TEST_F(LiveScans, AreReadOnceTheyAreCompleteThoughWrittenSlowly) {
   fs::create_directory(folder_ / "in");
   serve({"--watch", "in", "--watch-query", parameters_}, [&](int port) {
     const std::string bytes = read_bytes(depth_);
@@ -86,7 +86,7 @@ TEST_F(LiveScans, AreTakenInWholeThoughTheyAreWrittenSlowly) {
 
 // The scan is written in place by a program that pauses: a file unchanged for less than the
 // configured time is incomplete.
-TEST_F(LiveScans, AreWholeWhenTheyHaveRestedOrWereRenamed) {
+TEST_F(LiveScans, AreCompleteOnceUnchangedOrRenamed) {
   fs::create_directory(folder_ / "in");
   serve({"--watch", "in", "--watch-query", parameters_, "--watch-rest-ms", "3000"}, [&](int port) {
     const std::string bytes = read_bytes(depth_);

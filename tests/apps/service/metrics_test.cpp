@@ -39,7 +39,7 @@ TEST(Metrics, CountsOnManyThreadsAtOnce) {
   }
 }
 
-TEST(Metrics, TellsWhatIsNow) {
+TEST(Metrics, ReportsTheCurrentState) {
   Metrics metrics;
   Metrics::Gauges gauges;
   gauges.library_bytes = 12'345'678'901;
@@ -55,7 +55,7 @@ TEST(Metrics, TellsWhatIsNow) {
   }
 }
 
-TEST(Metrics, TellsOfItsProcess) {
+TEST(Metrics, DescribesItsProcess) {
   const Metrics metrics;
   const auto value = [&](const std::string& name) {
     const std::string text = metrics.response({}).body;

@@ -49,7 +49,7 @@ class NotifySocket {
 
 class NotifySystemd : public test::ServeFixture {};
 
-TEST_F(NotifySystemd, IsToldEachState) {
+TEST_F(NotifySystemd, ReportsEachState) {
   const std::string path = folder_ / "notify";
   const NotifySocket manager(path);
   ASSERT_TRUE(manager.is_bound());
@@ -68,7 +68,7 @@ TEST_F(NotifySystemd, IsToldEachState) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(NotifySystemd, NobodyIsToldWithoutASocket) {
+TEST_F(NotifySystemd, NothingIsSentWithoutASocket) {
   environment_ = {"NOTIFY_SOCKET=" + (folder_ / "nobody").string(), "WATCHDOG_USEC=soon"};
   const test::Outcome outcome =
       serve({}, [&](int port) { EXPECT_EQ(test::ask(port, "GET", "/v2").status, 200); });

@@ -17,7 +17,7 @@ namespace {
 
 const std::string kSources = TRIVET_SOURCES;
 
-TEST(OpenApi, NamesTheParametersThatAreTaken) {
+TEST(OpenApi, NamesTheAcceptedParameters) {
   const nlohmann::json document = nlohmann::json::parse(apps::service::openapi_document());
   std::set<std::string> described;
   for (const nlohmann::json& parameter : document["paths"]["/v1/recognize"]["post"]["parameters"]) {
@@ -35,7 +35,7 @@ TEST(OpenApi, NamesTheParametersThatAreTaken) {
   EXPECT_FALSE(apps::service::parse_recognize_query({{"expected", "file.json"}}));
 }
 
-TEST(RecognizeQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
+TEST(RecognizeQuery, RequiresThePoseOnlyOnRequest) {
   for (const auto& [value, required] : {std::pair{"", true}, {"true", true}, {"false", false}}) {
     const auto query = apps::service::parse_recognize_query({{"require-pose", value}});
     ASSERT_TRUE(query) << query.error().message;
@@ -45,7 +45,7 @@ TEST(RecognizeQuery, AsksForTheVeryPoseOnlyIfItIsTold) {
   EXPECT_FALSE(apps::service::parse_recognize_query({{"require-pose", "perhaps"}}));
 }
 
-TEST(OpenApi, GivesDefaultsAndChoicesThatAreTaken) {
+TEST(OpenApi, GivesDefaultsAndChoicesThatAreAccepted) {
   const nlohmann::json document = nlohmann::json::parse(apps::service::openapi_document());
   const auto text = [](const nlohmann::json& value) {
     return value.is_string() ? value.get<std::string>() : value.dump();

@@ -8,7 +8,7 @@
 namespace trivet::apps::service {
 namespace {
 
-TEST(NoPage, TellsABrowserInAPageOfItsOwn) {
+TEST(NoPage, AnswersBrowsersWithAPage) {
   HttpRequest request;
   request.headers = {{"accept", "text/html,application/xhtml+xml,*/*;q=0.8"}};
   const HttpResponse response = no_page_response(request);
@@ -17,7 +17,7 @@ TEST(NoPage, TellsABrowserInAPageOfItsOwn) {
   EXPECT_NE(response.body.find("scripts/build-web"), std::string::npos);
 }
 
-TEST(NoPage, TellsProgramsAsTheyAreToldOtherwise) {
+TEST(NoPage, AnswersProgramsWithJson) {
   HttpRequest request;
   request.headers = {{"accept", "*/*"}};
   const HttpResponse response = no_page_response(request);

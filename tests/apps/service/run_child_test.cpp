@@ -12,7 +12,7 @@ Result<void> shell(const std::string& script, const ChildLimits& limits = {},
   return run_child({"/bin/sh", "-c", script}, limits, stop);
 }
 
-TEST(RunChild, TellsWhatTheProgramSaidLast) {
+TEST(RunChild, ReportsTheLastOutputOfTheProgram) {
   EXPECT_TRUE(shell("echo ignored >&2; exit 0"));
   EXPECT_EQ(shell("echo one >&2; echo two >&2; exit 3").error().message, "two");
   EXPECT_EQ(shell("exit 3").error().message, "training it failed with exit code 3");

@@ -305,7 +305,7 @@ TEST_F(ServeHostile, RefusesTensorsThatAreNone) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(ServeHostile, TakesNoMemoryForWhatABodyOnlyPromises) {
+TEST_F(ServeHostile, AllocatesNoMemoryForWhatABodyOnlyPromises) {
   const std::string ply = "ply\nformat binary_little_endian 1.0\nelement vertex ";
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
   // Enough bytes for this many pixels at the best possible compression.

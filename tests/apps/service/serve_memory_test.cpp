@@ -17,7 +17,7 @@ using test::ask;
 
 class ServeMemory : public test::ServeFixture {};
 
-TEST_F(ServeMemory, TakesScansByWhatTheyNeed) {
+TEST_F(ServeMemory, AdmitsScansByTheMemoryTheyNeed) {
   const std::string image = test::read_bytes(depth_);
   // A file of some kilobytes with 16 million pixels.
   const std::string large =

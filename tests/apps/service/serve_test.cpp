@@ -109,7 +109,7 @@ TEST_F(Serve, HasAllItsMetricsFromTheStart) {
 }
 
 // The same depths in other formats, and compressed.
-TEST_F(Serve, TakesEveryFormatThatIsReadFromFiles) {
+TEST_F(Serve, AcceptsEveryFormatThatIsReadFromFiles) {
   const Result<Cloud> cloud = read_cloud(depth_, {.camera = camera_});
   ASSERT_TRUE(cloud) << cloud.error().message;
   const PixelGrid& grid = *cloud->grid;
@@ -475,7 +475,7 @@ TEST_F(Serve, SlowClientsHoldUpNobody) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(Serve, ReadsItsLibraryAnewWhileItAnswers) {
+TEST_F(Serve, ReloadsItsLibraryWhileItAnswers) {
   const std::string good = read_bytes(folder_ / "l.h5");
   const test::Outcome outcome = serve({}, [&](int port) {
     std::atomic<bool> stop{false};
@@ -511,7 +511,7 @@ TEST_F(Serve, ReadsItsLibraryAnewWhileItAnswers) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
 
-TEST_F(Serve, AnswersWhatItHasTakenBeforeItEnds) {
+TEST_F(Serve, AnswersAcceptedRequestsBeforeItEnds) {
   std::vector<Answer> answers(8);
   const test::Outcome outcome = serve({"--parallel", "1"}, [&](int port) {
     std::vector<std::thread> clients;

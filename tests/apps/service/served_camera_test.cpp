@@ -36,7 +36,7 @@ TEST(ServedCamera, IsTheSameInParametersAndInJson) {
   EXPECT_EQ(query->scene.camera->distortion, LensDistortion{0.1});
 }
 
-TEST(ServedCamera, IsAskedForByWhatIsToldOfItsImages) {
+TEST(ServedCamera, IsRequiredByOptionsOfItsImages) {
   for (const auto& [name, value] :
        {std::pair("depth", "ray"), {"distortion", "0.1,0,0,0"}, {"image-size", "640,480"}}) {
     const auto query = parse_recognize_query({{name, value}});

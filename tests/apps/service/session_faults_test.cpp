@@ -47,7 +47,7 @@ TEST_F(SessionOnItsOwn, KeepsScansOfOneUnitUnderNamesOfTheirOwn) {
   EXPECT_EQ(session_->contents().scans.size(), 1U);
 }
 
-TEST_F(SessionOnItsOwn, TellsWhatItCannotEverHoldFromWhatItHasNoRoomFor) {
+TEST_F(SessionOnItsOwn, DistinguishesScansThatNeverFitFromThoseWithoutRoomNow) {
   EXPECT_EQ(fault_of(put("large", kMaxBytes + 1)), SessionFault::too_large);
   ASSERT_EQ(fault_of(put("a", 8 << 10)), std::nullopt);
   EXPECT_EQ(fault_of(put("b", 12 << 10)), SessionFault::full);

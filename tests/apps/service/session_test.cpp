@@ -32,7 +32,7 @@ class SessionOfAService : public test::ServeFixture {
   static Json index(int port) { return ask(port, "GET", "/v1/session").json(); }
 };
 
-TEST_F(SessionOfAService, IsAFolderThatEvaluateTakes) {
+TEST_F(SessionOfAService, IsAFolderThatEvaluateReads) {
   ASSERT_EQ(parameters_.rfind("method=ppf&", 0), 0U);
   Json kept;
   std::size_t num_found = 0;

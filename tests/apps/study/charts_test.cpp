@@ -44,7 +44,7 @@ TEST(StudyCharts, SayWhereAnAxisIsLogarithmic) {
                     "time of a scene on one core [s], logarithmic"));
 }
 
-TEST(StudyCharts, TellTheUnitOfBinsOfTruths) {
+TEST(StudyCharts, NameTheUnitOfBinsOfTruths) {
   Panel panel = panel_of("occlusion", true);
   panel.has_total = true;
   EXPECT_TRUE(holds(rate_chart(panel), "occlusion [share of the area]"));

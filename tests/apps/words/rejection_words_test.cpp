@@ -77,7 +77,7 @@ TEST(RejectionWords, EndWithTheModelThatExplainsThePose) {
   }
 }
 
-TEST(RejectionWords, TellHowManyWereAskedFor) {
+TEST(RejectionWords, StateTheRequestedNumber) {
   RecognizeOptions options;
   options.max_instances = 2;
   EXPECT_EQ(

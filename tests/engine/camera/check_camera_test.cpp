@@ -66,7 +66,7 @@ TEST_F(CheckCamera, FindsNothingWrongWithTheRightCamera) {
   EXPECT_FALSE(corrected_camera(found));
 }
 
-TEST_F(CheckCamera, TellsAFocalLengthThatIsFourPercentOff) {
+TEST_F(CheckCamera, DetectsAFocalLengthThatIsFourPercentOff) {
   for (const float wrong : {0.96F, 1.04F}) {
     const CameraCheck found = check(scan(wrong));
     EXPECT_TRUE(found.focal_is_off());
@@ -79,7 +79,7 @@ TEST_F(CheckCamera, TellsAFocalLengthThatIsFourPercentOff) {
   }
 }
 
-TEST_F(CheckCamera, TellsDepthsThatAreOnePercentAndAHalfOff) {
+TEST_F(CheckCamera, DetectsDepthsThatAreOnePercentAndAHalfOff) {
   const CameraCheck found = check(scan(1, 1.015F));
   EXPECT_FALSE(found.focal_is_off());
   EXPECT_TRUE(found.depth_is_off());
@@ -98,7 +98,7 @@ Cloud read_as(DepthKind kind, Cloud cloud) {
 }
 
 // The wall is flat only for the right kind of depth.
-TEST_F(CheckCamera, TellsDepthsAlongTheRay) {
+TEST_F(CheckCamera, DetectsDepthsAlongTheRay) {
   const Cloud right = scan(1);
   const CameraCheck as_it_is = check(right);
   EXPECT_EQ(as_it_is.depth.num_as_said, 1U);
@@ -114,7 +114,7 @@ TEST_F(CheckCamera, TellsDepthsAlongTheRay) {
   EXPECT_EQ(joined[0].depth.num_otherwise, 2U);
 }
 
-TEST_F(CheckCamera, SaysNothingOfDepthsWhereNoLargePlaneIsSeen) {
+TEST_F(CheckCamera, SaysNothingOfDepthsWithoutALargePlane) {
   Cloud cloud = scan(1);
   std::vector<std::uint8_t> keep(cloud.points.size());
   for (std::size_t i = 0; i < keep.size(); ++i) keep[i] = cloud.points[i].z() < 1.3F;

@@ -71,7 +71,7 @@ TEST(DescribeSurface, GivesTheMotionOfABodyByOneMatch) {
   EXPECT_GT(matched, here.size() * 95 / 100);
 }
 
-TEST(DescribeSurface, TellsPlacesApart) {
+TEST(DescribeSurface, DistinguishesPlaces) {
   const test::SampledShape body = lumps();
   const Descriptions all = describe(body.points, body.normals);
   double nearest_far = 10;

@@ -27,7 +27,7 @@ TEST(MadeOnce, IsMadeOnceHoweverManyAsk) {
   EXPECT_EQ(num_made, 1);
 }
 
-TEST(MadeOnce, IsMadeAnewWhereMakingThrew) {
+TEST(MadeOnce, IsMadeAgainWhereMakingThrew) {
   for (int round = 0; round < 200; ++round) {
     MadeOnce<int> value;
     std::atomic<int> num_tried{0}, num_thrown{0};

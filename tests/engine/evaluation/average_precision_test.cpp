@@ -40,7 +40,7 @@ TEST(AveragePrecision, WeighsEachPrecisionByThePlacesItReaches) {
 }
 
 // Of the precisions 1/1, 2/3 and 3/4, recall 2/3 uses the better 3/4.
-TEST(AveragePrecision, TakesTheBestPrecisionAtThatRecallOrMore) {
+TEST(AveragePrecision, UsesTheBestPrecisionAtThatRecallOrMore) {
   EXPECT_NEAR(of({true, false, true, true}, 3), (34 * 1 + 67 * 0.75) / 101, 1e-15);
 }
 

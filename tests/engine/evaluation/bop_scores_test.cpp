@@ -120,7 +120,7 @@ TEST_F(BopScoresTest, DoesNotCountAThresholdThatIsJustMet) {
 
 // Along the rays the plate is 12 to 12.1 mm farther away: wrong at 2 of 10 tolerances, right at all
 // others, since both poses fill the same 10 x 10 pixels.
-TEST_F(BopScoresTest, TakesVsdOverTolerancesAndThresholds) {
+TEST_F(BopScoresTest, AveragesVsdOverTolerancesAndThresholds) {
   add_truth(at(0));
   add_detection(at(0, 0, 612));
   const BopScores scores = score();
@@ -136,7 +136,7 @@ TEST_F(BopScoresTest, KnowsThatVsdOfPosesApartIsOne) {
   EXPECT_EQ((*score().errors[0][0]->vsd)[9], 1);
 }
 
-TEST_F(BopScoresTest, TakesMissingDepthForVisibleAndAnOccluderForHiding) {
+TEST_F(BopScoresTest, TreatsMissingDepthAsVisibleAndAnOccluderAsHiding) {
   add_truth(at(0));
   add_detection(at(0));
   measure(0);
@@ -147,7 +147,7 @@ TEST_F(BopScoresTest, TakesMissingDepthForVisibleAndAnOccluderForHiding) {
 }
 
 // The plate lies 10 mm behind the measured surface.
-TEST_F(BopScoresTest, TakesTheDeltaOfVsdInMillimeters) {
+TEST_F(BopScoresTest, ReadsTheDeltaOfVsdInMillimeters) {
   add_truth(at(0));
   add_detection(at(0));
   measure(590);
@@ -194,7 +194,7 @@ TEST_F(BopScoresTest, CountsMissingDetectionsAsNotFound) {
   EXPECT_EQ(score().localization.num_targets, 2U);
 }
 
-TEST_F(BopScoresTest, LooksForTheMostVisibleInstances) {
+TEST_F(BopScoresTest, SearchesTheMostVisibleInstances) {
   manifest.scenes[0].targets = {{"plate", 1}};
   add_truth(at(-150), 0.3);
   add_truth(at(0), 0.9);
@@ -221,7 +221,7 @@ TEST_F(BopScoresTest, LeavesOutWhatIsVisibleByLessThanATenth) {
   expect_mssd(0, 0.5);  // a second detection of the hidden instance is false
 }
 
-TEST_F(BopScoresTest, TakesTruthsToBeIgnoredForHiddenWhereVisibilityIsUnknown) {
+TEST_F(BopScoresTest, TreatsIgnoredTruthsAsHiddenWhereVisibilityIsUnknown) {
   add_truth(at(0));
   add_truth(at(-150));
   manifest.scenes[0].truth[1].ignore = true;
@@ -290,7 +290,7 @@ TEST_F(BopScoresTest, DropsDetectionsOfModelsThatTheImageLacks) {
   EXPECT_FALSE(score().errors[0][1]);
 }
 
-TEST_F(BopScoresTest, TakesAHundredDetectionsOfAnImage) {
+TEST_F(BopScoresTest, CountsAHundredDetectionsPerImage) {
   add_truth(at(0));
   add_detection(at(0), 0.1F);
   for (int i = 0; i < 99; ++i) add_detection(at(150), 0.9F, i % 2 == 0 ? "plate" : "other");

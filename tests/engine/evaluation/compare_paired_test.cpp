@@ -67,7 +67,7 @@ TEST(ComparePaired, StaysFiniteForManyTrials) {
   EXPECT_EQ(p_of(0, 100000), 0) << "less than a double represents";
 }
 
-TEST(ComparePaired, TellsTheDifferenceOfTheRates) {
+TEST(ComparePaired, GivesTheDifferenceOfTheRates) {
   const PairedComparison found = compare_paired(Scenes{{3, 2, 1, 4}, {0, 5, 2, 3}}, 1);
   EXPECT_EQ(found.total, (PairedTrials{3, 7, 3, 7}));
   EXPECT_DOUBLE_EQ(found.difference, 0.2);
@@ -122,7 +122,7 @@ TEST(ComparePaired, CoversTheTrueDifferenceAsOftenAsItSays) {
 }
 
 // Ten copies of each trial are no more evidence than one where the scene decides them all.
-TEST(ComparePaired, TakesTrialsOfASceneForOneAnothersCopies) {
+TEST(ComparePaired, TreatsTrialsOfASceneAsCopies) {
   const Scenes scenes = simulated(60, 1, 5);
   Scenes copies = scenes;
   for (PairedTrials& scene : copies) {

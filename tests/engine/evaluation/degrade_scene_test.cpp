@@ -96,7 +96,7 @@ TEST(DegradeScene, LeavesACloudAloneByDefault) {
   EXPECT_EQ(degraded(mesh, {}).triangles.size(), 1U);
 }
 
-TEST(DegradeScene, LeavesScatteredPointsSeenFromWhereTheyWere) {
+TEST(DegradeScene, KeepsTheViewpointOfScatteredPoints) {
   Cloud scan = wall();
   scan.triangles.push_back(0, 1, 200);
   for (const DegradeOptions& options : kEach) {
@@ -132,7 +132,7 @@ TEST(DegradeScene, AddsNoiseInResolutionsOfTheScan) {
 
 // Points on a lattice of pitch 1/16. A cloud's nearest neighbors have that distance; a mesh of
 // squares with diagonals has a mean edge length of (2 + sqrt 2) / 3 of it, up to its border.
-TEST(DegradeScene, TakesTheResolutionOfACloudFromItsNeighborsAndOfAMeshFromItsEdges) {
+TEST(DegradeScene, MeasuresTheResolutionOfACloudByNeighborsAndOfAMeshByEdges) {
   constexpr std::uint32_t kSide = 100;
   constexpr double kPitch = 1.0 / 16;
   Cloud lattice;

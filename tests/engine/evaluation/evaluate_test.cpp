@@ -71,7 +71,7 @@ class Evaluate : public testing::Test {
   SceneResult result;
 };
 
-TEST_F(Evaluate, TakesTheTruthItselfForRight) {
+TEST_F(Evaluate, CountsTheTruthItselfAsRight) {
   add_truth(pose_at({1, 2, 3}, 50));
   add_detection(pose_at({1, 2, 3}, 50));
   expect(1, 1, 0);
@@ -124,7 +124,7 @@ TEST_F(Evaluate, GivesEachDetectionTheTruthItFitsBest) {
   EXPECT_EQ(*evaluation.scenes[0].detections[1].truth, 0U);
 }
 
-TEST_F(Evaluate, DoesNotTakeOneModelForAnother) {
+TEST_F(Evaluate, DoesNotConfuseModels) {
   add_truth(Pose::Identity(), "other");
   add_detection(Pose::Identity(), 0.9F, "box");
   expect(0, 1, 1);

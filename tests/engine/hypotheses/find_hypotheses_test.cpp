@@ -58,7 +58,7 @@ TEST_F(FindHypotheses, HasTheTruthAmongThoseOfEachModel) {
   }
 }
 
-TEST_F(FindHypotheses, TakesPairsWithinTheBallOnly) {
+TEST_F(FindHypotheses, UsesPairsWithinTheBallOnly) {
   for (const float radius : {0.1F, 0.4F, 1.0F}) {
     std::uint32_t bins = 0;
     for (const Model& model : library_.models)

@@ -97,7 +97,7 @@ TEST_F(SearchCodes, FindsMostInAFewLists) {
   EXPECT_GT(right, 190U);
 }
 
-TEST_F(SearchCodes, TellsWhereThereIsNoNeighbor) {
+TEST_F(SearchCodes, ReportsMissingNeighbors) {
   const Indexed index{std::span(codes_).first(2 * kStride)};
   const CodeNeighbors found = search_codes(index.view(), queries_, 4, 3);
   for (std::size_t q = 0; q < 200; ++q) {

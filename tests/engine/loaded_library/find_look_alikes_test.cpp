@@ -36,7 +36,7 @@ class FindLookAlikes : public testing::Test {
   static inline std::vector<kernels::ShapeFrame> frames_;
 };
 
-TEST_F(FindLookAlikes, TellsWhereALookAlikeLies) {
+TEST_F(FindLookAlikes, ReportsThePoseOfALookAlike) {
   const std::vector<LookAlike> look_alikes = find_look_alikes(library_, frames_, 0);
   ASSERT_FALSE(look_alikes.empty());
   EXPECT_EQ(look_alikes[0].model, 1U) << "the alikest first";

@@ -32,7 +32,7 @@ TEST(SurfaceCache, MakesEachOnceForAllThatAskAtOnce) {
   EXPECT_EQ(std::set(got.begin(), got.end()).size(), 4U);
 }
 
-TEST(SurfaceCache, GivesBackWhatWasAskedForTheLongestAgo) {
+TEST(SurfaceCache, ReleasesTheLeastRecentlyUsed) {
   SurfaceCache cache(2 * bytes_of_a_box());
   std::vector<std::uint32_t> made;
   const auto get = [&](std::uint32_t model) {
@@ -59,7 +59,7 @@ TEST(SurfaceCache, LeavesWhatIsInUseToItsUsers) {
   EXPECT_EQ(used.use_count(), 1) << "the cache has let go of it";
 }
 
-TEST(SurfaceCache, TellsWhyThereIsNone) {
+TEST(SurfaceCache, ReportsWhyThereIsNone) {
   SurfaceCache cache(1);
   const auto none = [] { return Result<kernels::RayScene>(Error{ErrorCode::bad_data, "damaged"}); };
   for (int again = 0; again < 2; ++again) {

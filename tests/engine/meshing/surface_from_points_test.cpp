@@ -58,7 +58,7 @@ testing::AssertionResult is_refused(const Result<Surface>& surface, ErrorCode co
   return testing::AssertionFailure() << (surface ? "a surface" : surface.error().message);
 }
 
-TEST(SurfaceFromPoints, TakesTheFirstMethodThatTheCloudAllows) {
+TEST(SurfaceFromPoints, ChoosesTheFirstMethodThatTheCloudAllows) {
   const Cloud scan = part_scan();
   EXPECT_EQ(surface_of(scan).method, SurfaceMethod::grid);
   EXPECT_EQ(surface_of(without_grid(scan)).method, SurfaceMethod::greedy);

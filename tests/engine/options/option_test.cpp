@@ -68,7 +68,7 @@ TYPED_TEST(EachOption, IsRefusedBeyondItsRange) {
   }
 }
 
-TEST(Option, IsToldAsAPersonWouldWriteIt) {
+TEST(Option, IsPrintedAsAPersonWouldWriteIt) {
   EXPECT_EQ(value_text(0.04), "0.04");
   EXPECT_EQ(value_text(true), "yes");
   EXPECT_EQ(value_text(std::vector<std::string>{"a", "b"}), "a, b");
@@ -82,7 +82,7 @@ TEST(Option, IsToldAsAPersonWouldWriteIt) {
   EXPECT_EQ(told("ablate"), "none");
 }
 
-TEST(Option, TakesAutoOnlyWhereTheProgramCanChoose) {
+TEST(Option, AcceptsAutoOnlyWhereTheProgramCanChoose) {
   RecognizeOptions options;
   options.normal_window = 3.0F;
   ASSERT_TRUE(set_option(*find_option<RecognizeOptions>("normal-window"), "auto", options));

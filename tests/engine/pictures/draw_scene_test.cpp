@@ -95,7 +95,7 @@ TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
 }
 
 // A nearer cube hides the center and the right of the farther cube's box.
-TEST(DrawScene, PutsLabelsOnWhatIsSeen) {
+TEST(DrawScene, PutsLabelsOnVisibleParts) {
   const EvaluationMesh model = cube();
   FilePose near = ahead(0.8F), far = ahead(1);
   near.translation().x() = 0.05F;
@@ -130,7 +130,7 @@ TEST(DrawScene, LeavesModelsOutsideTheImageOut) {
   EXPECT_EQ(pictures->overlaid.rgb, pictures->scan.rgb);
 }
 
-TEST(DrawScene, TakesPosesInTheScenesUnit) {
+TEST(DrawScene, AcceptsPosesInTheScenesUnit) {
   const EvaluationMesh model = cube();
   Cloud millimeters = wall();
   for (const std::span<float> column :
@@ -178,7 +178,7 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
   EXPECT_FALSE(drawing->draw_around(behind, behind));
 }
 
-TEST(DrawScene, DrawsEachOutlineWhole) {
+TEST(DrawScene, DrawsEachOutlineCompletely) {
   const EvaluationMesh model = cube();
   constexpr Color kBlue{0, 0, 255};
   const std::array both{Overlay{&model, ahead(1), kBlue, {}, false},

@@ -110,7 +110,7 @@ TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
   EXPECT_EQ(fingerprint(recognized({})), fingerprint(whole_));
 }
 
-TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
+TEST_F(WithoutImprovement, MistakesTheWallForTheFlatSideOfAPart) {
   RecognizeOptions options;
   options.pose.rounds = 0;
   options.expected = {{"bracket", test::pose_of({0, 0, 0}, {0.25F, 0.2F, 1.1F}).cast<double>()}};
@@ -123,7 +123,7 @@ TEST_F(WithoutImprovement, TakesTheWallForTheFlatSideOfAPart) {
   EXPECT_EQ(unknown->stats.num_examined, 1U);
 }
 
-TEST_F(WithoutImprovement, TakesMoreWork) {
+TEST_F(WithoutImprovement, NeedsMoreWork) {
   const SceneStats& s = whole_.stats;
   EXPECT_GT(recognized({Improvement::ball}).stats.num_pairs, s.num_pairs);
   EXPECT_GT(recognized({Improvement::full_cells}).stats.num_votes, s.num_votes);

@@ -70,7 +70,7 @@ class LargeLibrary : public testing::Test {
 };
 
 // A single test, because each would train the library again.
-TEST_F(LargeLibrary, IsSearchedWithinABudgetAndFindsTheVeryModels) {
+TEST_F(LargeLibrary, IsSearchedWithinLimitsAndFindsTheVeryModels) {
   const SceneResult within = found({.budget = kHalf});
   expect_both(within);
   const SceneResult all = found({.search = Search::exhaustive});

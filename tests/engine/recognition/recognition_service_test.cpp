@@ -84,7 +84,7 @@ TEST(RecognitionService, DoesEachPartOnceAndAnswersOnce) {
   for (const std::atomic<int>& n : done) EXPECT_EQ(n, 1);
 }
 
-TEST(RecognitionService, TakesAllPartsOfAJobOrNone) {
+TEST(RecognitionService, AcceptsAllPartsOfAJobOrNone) {
   RecognitionService service({.max_waiting = 4, .num_parallel = 1}, generation(1));
   Gate gate(1);
   auto running = submit(service, job(gate.work()));
@@ -242,7 +242,7 @@ TEST(RecognitionService, AnswersWithTheLibraryThatThereWasAndLetsItGo) {
   EXPECT_TRUE(watched.expired()) << "its memory goes with the last of its answers";
 }
 
-TEST(RecognitionService, AnswersWhatItTookBeforeItCloses) {
+TEST(RecognitionService, AnswersAcceptedJobsBeforeItCloses) {
   RecognitionService service({.max_waiting = 100'000, .num_parallel = 1}, generation(1));
   Gate gate(1);
   std::vector<std::future<ServiceOutcome>> outcomes;
@@ -351,7 +351,7 @@ TEST(RecognitionService, AnswersForPartsThatGoOnWhoeverHasLeftOrFailed) {
   drain.join();
 }
 
-TEST(RecognitionService, TellsOfAWorkerThatDoesNotHear) {
+TEST(RecognitionService, ReportsAWorkerThatIgnoresStopRequests) {
   RecognitionService service({.num_parallel = 2}, generation(1));
   Gate gate(1);
   std::atomic<bool> is_gone{false};

@@ -16,7 +16,7 @@ namespace {
 /// Scenes of all kinds, units and frames, and the limits of the search.
 class RecognizeScenes : public test::TwoParts {};
 
-TEST_F(RecognizeScenes, TakesAMovedMeshAsAClosedSurface) {
+TEST_F(RecognizeScenes, TreatsAMovedMeshAsAClosedSurface) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2.0F}, {3, -2, 5});
   const Cloud scene = test::cloud_of(test::Shape(lever_).moved(motion));
   const auto result = recognize(recognizer_, scene, {.closed_surface = true}, {});
@@ -173,7 +173,7 @@ TEST_F(RecognizeScenes, StopsOnRequest) {
   EXPECT_EQ(result.error().code, ErrorCode::resumable);
 }
 
-TEST_F(RecognizeScenes, TakesManyScenesInOrder) {
+TEST_F(RecognizeScenes, RecognizesManyScenesInOrder) {
   const test::TempDir folder;
   std::vector<SceneInput> inputs;
   for (int i = 0; i < 4; ++i) {

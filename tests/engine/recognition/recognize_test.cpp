@@ -115,7 +115,7 @@ TEST_F(Recognize, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
   EXPECT_EQ(more->detections[1].score, second);
 }
 
-TEST_F(Recognize, TellsWhatItRejectedWhereItIsAsked) {
+TEST_F(Recognize, ReportsRejectedPosesOnRequest) {
   const auto silent = recognize(recognizer_, clutter(), {}, {});
   const auto result = recognize(recognizer_, clutter(), {}, {.max_rejected = 3});
   ASSERT_TRUE(silent && result);
@@ -144,7 +144,7 @@ TEST_F(Recognize, TellsWhatItRejectedWhereItIsAsked) {
 }
 
 // With a limit of one instance the second is reported as rejected, in the file's unit.
-TEST_F(Recognize, TellsTheInstanceThatIsOneTooMany) {
+TEST_F(Recognize, ReportsTheInstanceBeyondTheLimit) {
   const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-180, 0, 900});
   const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {180, 20, 950});
   test::Shape large = bracket_;

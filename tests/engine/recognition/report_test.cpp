@@ -48,7 +48,7 @@ class Report : public testing::Test {
   PreparedScene scene_;
 };
 
-TEST_F(Report, OrdersDetectionsByScoreAndThenAsTheyWereTaken) {
+TEST_F(Report, OrdersDetectionsByScoreAndThenBySelection) {
   add(0, scored(0.5F, 1));
   add(1, scored(0.9F, 2));
   add(0, scored(0.5F, 3));
@@ -60,7 +60,7 @@ TEST_F(Report, OrdersDetectionsByScoreAndThenAsTheyWereTaken) {
   EXPECT_FLOAT_EQ(result.detections[2].T_scene_model.translation().x(), 30);
 }
 
-TEST_F(Report, TellsLengthsInTheFilesUnit) {
+TEST_F(Report, GivesLengthsInTheFilesUnit) {
   SettledPose turned = scored(0.9F);
   turned.pose.test.tolerance = 0.2F;
   turned.pose.test.examination.mean_square = 0.25F;
@@ -80,7 +80,7 @@ TEST_F(Report, TellsLengthsInTheFilesUnit) {
   EXPECT_FLOAT_EQ(result.stats.sensor->range, 30);
 }
 
-TEST_F(Report, TellsTheSharesOfTheWholeSilhouetteAlsoOfWhatLiesOutsideTheScan) {
+TEST_F(Report, GivesTheSharesOfTheFullSilhouetteAlsoOutsideTheScan) {
   SettledPose beyond = scored(0.9F);
   beyond.pose.test.examination.covered = 20;
   beyond.pose.test.examination.consistent = 20;
@@ -102,7 +102,7 @@ TEST_F(Report, TellsTheSharesOfTheWholeSilhouetteAlsoOfWhatLiesOutsideTheScan) {
   EXPECT_EQ(result.detections[2].visible_fraction, 0) << "nothing is seen of nothing";
 }
 
-TEST_F(Report, TellsOfNoSensorWhereSixImagesSeeASurface) {
+TEST_F(Report, ReportsNoSensorWhereSixImagesShowASurface) {
   scene_.images.resize(6);
   EXPECT_FALSE(reported().stats.sensor);
 }

@@ -40,7 +40,7 @@ TEST(PlanSearch, HasTheDefaultsOfTheStages) {
   EXPECT_EQ(plan.large_planes, LargePlanes::left_out);
 }
 
-TEST(PlanSearch, TellsEachStageWhatItLeavesOut) {
+TEST(PlanSearch, LeavesOutAblatedParts) {
   const auto without = [](Improvement improvement) { return planned({.ablated = {improvement}}); };
   EXPECT_FALSE(without(Improvement::correlated_noise).prepare.correlated_noise);
   EXPECT_EQ(without(Improvement::normals).prepare.normal_window, 2.0F);
@@ -71,7 +71,7 @@ TEST(PlanSearch, NeverAddsARound) {
       planned({.pose = {.rounds = 0}, .ablated = {Improvement::second_round}}).rounds.empty());
 }
 
-TEST(PlanSearch, TakesTheValuesOfRecognition) {
+TEST(PlanSearch, UsesTheValuesOfRecognition) {
   RecognizeOptions options{.normal_window = 5.0F, .min_score = 0.3F, .doubtful_score = 0.1F};
   options.max_instances = 3;
   options.pose.max_refined = 7;

@@ -59,7 +59,7 @@ class Stop : public test::TwoParts {
   }
 };
 
-TEST_F(Stop, EndsWhicheverLookItComesAt) {
+TEST_F(Stop, EndsAtWhicheverCheckTheStopComes) {
   ASSERT_TRUE(recognize(0));  // builds the cached data
   const auto whole = recognize(0);
   ASSERT_TRUE(whole);
@@ -89,7 +89,7 @@ TEST_F(Stop, EndsWhicheverLookItComesAt) {
   }
 }
 
-TEST(ForChunks, LooksBeforeEachGrainOnEveryThread) {
+TEST(ForChunks, ChecksBeforeEachGrainOnEveryThread) {
   num_checks = 0;
   stop_at = 0;
   observe_stop_checks(on_check);

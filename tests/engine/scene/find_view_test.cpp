@@ -78,14 +78,14 @@ void expect_view(const SceneView& view, SceneKind kind, ViewSource source,
   EXPECT_EQ(view.viewpoint, viewpoint);
 }
 
-TEST(FindView, TakesATriangulatedScanAsSeenFromTheOrigin) {
+TEST(FindView, PlacesTheViewpointOfATriangulatedScanAtTheOrigin) {
   const Cloud scan = triangulated_scan();
   expect_view(find_view(scan, {}), SceneKind::points, ViewSource::faces, Vector3d::Zero());
   expect_view(find_view(wound_the_other_way(scan), {}), SceneKind::points, ViewSource::faces,
               Vector3d::Zero());
 }
 
-TEST(FindView, FindsWhereATriangulatedScanThatWasMovedIsSeenFrom) {
+TEST(FindView, FindsTheViewpointOfATriangulatedScanThatWasMoved) {
   const Pose motion = test::pose_of({0.4F, -1.2F, 2}, {0.1F, 0.2F, 0});
   const Cloud scan = moved(triangulated_scan(), motion * Eigen::Translation3f(0, 0, -1));
   const SceneView view = find_view(scan, {});
@@ -96,7 +96,7 @@ TEST(FindView, FindsWhereATriangulatedScanThatWasMovedIsSeenFrom) {
   EXPECT_GT(towards.dot(motion.linear() * -Vector3f::UnitZ()), 0.98F);
 }
 
-TEST(FindView, TakesAClosedMeshAsAWholeSurfaceWhereverItIs) {
+TEST(FindView, TreatsAClosedMeshAsACompleteSurfaceWhereverItIs) {
   const Cloud closed = closed_surface();
   EXPECT_LT(kernels::boundary_share(closed.triangles), 0.02);
   for (const Vector3f& place : {Vector3f(0, 0, 0), Vector3f(0, 0, 1), Vector3f(3, -200, 5)}) {
@@ -125,7 +125,7 @@ TEST(FindView, AssumesTheOriginForPoints) {
 }
 
 // The distant viewpoint that the faces point to is reported in the file's frame.
-TEST(FindView, TellsAViewOfFacesFarFromZero) {
+TEST(FindView, DetectsAViewOfFacesFarFromZero) {
   Cloud scan = triangulated_scan();
   scan.offset = {4e5, 5.4e6, 0};
   const SceneView view = find_view(scan, {});

@@ -186,7 +186,7 @@ TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {
   expect_unexplained_points_only(scene, marked);
 }
 
-TEST(ChooseVoters, TakesMarksOfSeveralImagesOneAfterTheOther) {
+TEST(ChooseVoters, ReadsMarksOfSeveralImagesOneAfterTheOther) {
   const engine::PreparedScene scene =
       prepare(test::cloud_of(test::lever()), {.closed_surface = true});
   ASSERT_EQ(scene.images.size(), 6U);

@@ -82,7 +82,7 @@ class Siblings : public testing::Test {
   static inline Recognizer both_{Library{}}, one_{Library{}};
 };
 
-TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotTellThemApart) {
+TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotDistinguishThem) {
   const std::vector<Detection> seen = found(both_, false);
   ASSERT_FALSE(seen.empty());
   EXPECT_EQ(seen[0].model, "short");

@@ -96,7 +96,7 @@ TEST_F(SelectPoses, LetsNoDoubtfulPoseHideAnother) {
 }
 
 // Duplicates are then found from the poses alone, within each model, by the plain score.
-TEST_F(SelectPoses, TellsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
+TEST_F(SelectPoses, DetectsCopiesByTheirPosesWhereExplainedPixelsAreLeftOut) {
   std::vector<Tested> three{{0, 0.55F, 0, 80}, {1, 0.6F, 0, 8}, {0, 0.52F, 90, 5}};
   const engine::SelectOptions options{.by_pixels = false};
   EXPECT_EQ(names(three, options), (Names{"small", "large"}));
@@ -110,7 +110,7 @@ TEST_F(SelectPoses, LeavesOutWhatABetterDoubtfulOneExplains) {
 }
 
 // Two poses claim the pixels of a third: the one with more of them is named.
-TEST_F(SelectPoses, TellsWhyAPoseIsNotTaken) {
+TEST_F(SelectPoses, ReportsWhyAPoseWasRejected) {
   const std::vector<Tested> all{
       {0, 0.9F, 0, 40}, {1, 0.8F, 40, 40}, {1, 0.7F, 34, 10}, {0, 0.3F, 80, 10}, {1, 0.2F, 0, 10}};
   const engine::Selection selection = select(table_of(all), {});
@@ -142,7 +142,7 @@ TEST_F(SelectPoses, CountsAPixelForTheFirstThatExplainsIt) {
 
 // The first pose was chosen and then refused. Of the poses that it hid, the second hides the third,
 // a remaining pose hides the fourth, and the fifth scores too low.
-TEST_F(SelectPoses, TakesWhatOnlyARefusedOneHid) {
+TEST_F(SelectPoses, SelectsWhatOnlyARejectedPoseHid) {
   const std::vector<Tested> all{{0, 0.97F, 0, 60},  {1, 0.92F, 0, 30}, {1, 0.9F, 0, 20},
                                 {1, 0.93F, 50, 20}, {1, 0.7F, 30, 10}, {0, 0.96F, 60, 40}};
   const engine::SelectOptions options;
@@ -167,7 +167,7 @@ TEST_F(SelectPoses, TakesWhatOnlyARefusedOneHid) {
   EXPECT_TRUE(choose({1, 5}).empty()) << "all are compared with what stands";
 }
 
-TEST_F(SelectPoses, TellsWhatIsOneTooMany) {
+TEST_F(SelectPoses, ReportsPosesBeyondTheLimit) {
   const std::vector<Tested> three{{0, 0.9F, 0, 10}, {0, 0.8F, 20, 10}, {1, 0.7F, 20, 10}};
   const PoseTable table = table_of(three);
   const Rows rows = all_rows(table);
@@ -221,7 +221,7 @@ TEST_F(BestRefused, PrefersWhatMayBeAFurtherInstance) {
   EXPECT_EQ(best(2), (Rows{1, 2, 3})) << "by falling score";
 }
 
-TEST_F(BestRefused, TellsNoPlacementTwice) {
+TEST_F(BestRefused, ReportsNoPlacementTwice) {
   const std::vector<Tested> poses{
       {0, 0.4F, 0, 10, 0}, {0, 0.3F, 0, 10, 0.09F}, {0, 0.2F, 0, 10, 0.11F}, {1, 0.1F, 0, 10, 0}};
   EXPECT_EQ(best(poses, {}, 9), (Rows{0, 2, 3}));

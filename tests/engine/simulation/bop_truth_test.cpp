@@ -150,7 +150,7 @@ TEST_F(BopTruth, AgreesWithTheFormulasOfTheBenchmark) {
   }
 }
 
-TEST_F(BopTruth, TellsNoBoxesOfWhatIsHidden) {
+TEST_F(BopTruth, GivesNoBoxesOfHiddenObjects) {
   describe(pose_at(0, 0, 400), std::vector<std::uint16_t>(kWidth * kHeight, 600));  // 300 mm
   EXPECT_GT(told().px_count_all, 10);
   EXPECT_EQ(told().px_count_valid, told().px_count_all);

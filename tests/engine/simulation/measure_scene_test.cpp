@@ -148,7 +148,7 @@ TEST(MeasureScene, ErrsByTheLawOfItsSensor) {
   }
 }
 
-TEST(MeasureScene, TellsDepthInStepsOfDisparity) {
+TEST(MeasureScene, MeasuresDepthInStepsOfDisparity) {
   const Scan measured = scan({plane(0.9, 0.5)}, {Sensor::stereo, 1, 0.25F});
   const double fb = kCamera.fx * traits_of(Sensor::stereo).baseline;
   for (std::size_t i = 0; i < measured.depths.size(); ++i) {

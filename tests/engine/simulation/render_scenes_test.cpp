@@ -70,7 +70,7 @@ double box_depth(const Camera& camera, std::size_t pixel, const Pose& T_camera_b
   return enter <= leave ? enter : std::numeric_limits<double>::infinity();
 }
 
-TEST(VirtualScanner, SeesTheSameAtAnyResolution) {
+TEST(VirtualScanner, GivesTheSameVisibilityAtAnyResolution) {
   const std::vector<ScanModel> models{box_model()};
   const Result<RenderedScene> usual = scan(models, exact(3), 5);
   ASSERT_TRUE(usual) << usual.error().message;
@@ -194,7 +194,7 @@ TEST(VirtualScanner, FindsTheAreaOfASphereThatASensorMeasures) {
   EXPECT_NEAR(*scene->truth[0].clutter, 1 - own / whole, 1e-4);
 }
 
-TEST(VirtualScanner, TellsLengthsInTheAskedUnit) {
+TEST(VirtualScanner, GivesLengthsInTheRequestedUnit) {
   const std::vector<ScanModel> models{box_model()};
   const Result<RenderedScene> m = scan(models, exact(2), 1),
                               mm = scan(models, exact(2), 1, LengthUnit::millimeter);
@@ -206,7 +206,7 @@ TEST(VirtualScanner, TellsLengthsInTheAskedUnit) {
   EXPECT_EQ(m->bop.camera, mm->bop.camera) << "always mm";
 }
 
-TEST(VirtualScanner, TakesEveryModelBeforeOneComesAgain) {
+TEST(VirtualScanner, UsesEveryModelBeforeOneComesAgain) {
   const std::vector<ScanModel> models{box_model(),
                                       model_of("b", test::box({0, 0, 0}, {0.1F, 0.1F, 0.05F})),
                                       model_of("c", test::box({0, 0, 0}, {0.1F, 0.05F, 0.05F}))};
@@ -377,7 +377,7 @@ TEST(RenderScenes, RefusesCloudsWithoutFaces) {
   EXPECT_NE(models.error().message.find("cloud.ply"), std::string::npos);
 }
 
-TEST(RenderScenes, TellsWhenItIsStopped) {
+TEST(RenderScenes, ReportsThatItWasStopped) {
   const test::TempDir folder;
   const std::vector<ScanModel> models{box_model()};
   std::stop_source stop;

@@ -60,7 +60,7 @@ TEST(StandardBasis, HasNearlyTheVarianceThatAnImagesOwnBasisHas) {
             share_left(basis_of(*images, 60).components) + 0.12);
 }
 
-TEST(ParseBasis, TakesWhatWasWrittenAndNothingElse) {
+TEST(ParseBasis, ReadsWhatWasWrittenAndNothingElse) {
   const TriSpinBasis basis = standard_basis({.num_components = 7});
   const std::string bytes = basis_bytes(basis);
   const Result<TriSpinBasis> again = parse_basis(bytes);

@@ -103,7 +103,7 @@ TEST_F(TrainLibrary, WritesTheSameBytesForAnyThreadsAndOrder) {
   EXPECT_EQ(all[0], all[1]);
 }
 
-TEST_F(TrainLibrary, TellsOfEachModelAndReadsBack) {
+TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
   std::vector<std::string> told;
   TrainProgress progress;
   progress.training.report = [&](std::size_t done, std::size_t total, std::string_view item) {
@@ -141,7 +141,7 @@ TEST_F(TrainLibrary, TrainsOnlyWhatChanged) {
   EXPECT_TRUE(again->unchanged);
 }
 
-TEST_F(TrainLibrary, TakesModelsOverUnderOtherNamesAndFiles) {
+TEST_F(TrainLibrary, ReusesModelsUnderOtherNamesAndFiles) {
   ASSERT_TRUE(train_library(request({"lever"})));
   fs::rename(folder_ / "lever.ply", folder_ / "arm.ply");
   TrainRequest renamed = request({"arm"});
@@ -276,7 +276,7 @@ TEST_F(TrainLibrary, TrainsAgainWhatAPowerFailureKeptFromTheDisk) {
   }
 }
 
-TEST_F(TrainLibrary, TellsAllFaultsTogetherAndKeepsWhatWasTrained) {
+TEST_F(TrainLibrary, ReportsAllFaultsTogetherAndKeepsWhatWasTrained) {
   ASSERT_TRUE(train_library(request({"lever"})));
   const std::string before = bytes();
   folder_.write("a_broken.ply", "ply\nformat ascii 1.0\n");
@@ -415,7 +415,7 @@ TEST_F(EditLibrary, MergesLibrariesThatWereTrainedAlike) {
       << differing.error().message;
 }
 
-TEST_F(EditLibrary, TellsWhatChanged) {
+TEST_F(EditLibrary, ReportsWhatChanged) {
   const auto before = open_library(file_);
   ASSERT_TRUE(before);
   ASSERT_TRUE(rename_model(file_, "bracket", "angle"));

@@ -19,7 +19,7 @@ namespace {
 
 ModelSource source_named(const char* name) { return {name, std::string(name) + ".ply", 1, {}}; }
 
-TEST(TrainModel, DescribesTheWholeVisibleSurface) {
+TEST(TrainModel, DescribesTheCompleteVisibleSurface) {
   const auto trained = train_model(test::cloud_of(test::bracket()), source_named("bracket"), {});
   ASSERT_TRUE(trained) << trained.error().message;
   const Model& model = trained->model;
@@ -35,7 +35,7 @@ TEST(TrainModel, DescribesTheWholeVisibleSurface) {
   }
 }
 
-TEST(TrainModel, KnowsWhichPosesLookAlike) {
+TEST(TrainModel, FindsNearSymmetries) {
   test::Shape bolt = test::prism(60, test::circle(0.025), -0.1, 0.08);
   bolt.join(test::prism(60, test::circle(0.03), 0.08, 0.1));
   const auto trained = train_model(test::cloud_of(bolt), source_named("bolt"), {});
@@ -99,7 +99,7 @@ TEST(TrainModel, GivesOutwardNormalsWhateverTheWinding) {
   }
 }
 
-TEST(TrainModel, TakesACloudWithoutFaces) {
+TEST(TrainModel, AcceptsACloudWithoutFaces) {
   const test::Shape shape = test::ellipsoid({0.1F, 0.06F, 0.04F}, 60);
   Cloud cloud;
   cloud.points = shape.vertices;

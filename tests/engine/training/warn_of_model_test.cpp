@@ -29,12 +29,12 @@ Cloud part_of(const Cloud& cloud, const std::function<bool(std::size_t)>& keep) 
   return part;
 }
 
-TEST(WarnOfModel, SaysNothingOfAWholePart) {
+TEST(WarnOfModel, DoesNotWarnOfACompletePart) {
   EXPECT_EQ(warnings_of(test::cloud_of(test::bracket())), "");
   EXPECT_EQ(warnings_of(test::cloud_of(test::lever())), "");
 }
 
-TEST(WarnOfModel, TellsWhatWasLeftOutWhenItWasRead) {
+TEST(WarnOfModel, WarnsOfWhatWasLeftOutWhenItWasRead) {
   Cloud cloud = test::cloud_of(test::bracket());
   cloud.num_unused = 1;
   EXPECT_NE(warnings_of(cloud).find("1 vertex on no face left out"), std::string::npos);
@@ -44,7 +44,7 @@ TEST(WarnOfModel, TellsWhatWasLeftOutWhenItWasRead) {
   EXPECT_NE(warnings_of(cloud).find("2 triangles without area left out"), std::string::npos);
 }
 
-TEST(WarnOfModel, TellsOfASurfaceThatIsOpenOrOfOneSide) {
+TEST(WarnOfModel, WarnsOfASurfaceThatIsOpenOrOfOneSide) {
   const Cloud whole = test::cloud_of(test::bracket());
   const Cloud open = part_of(whole, [&](std::size_t t) {  // without the faces that point up
     const Eigen::Vector3f a = whole.points[whole.triangles.a[t]];
@@ -75,13 +75,13 @@ TEST(WarnOfModel, TellsOfASurfaceThatIsOpenOrOfOneSide) {
   EXPECT_NE(warnings_of(sheet).find("one view sees"), std::string::npos) << warnings_of(sheet);
 }
 
-TEST(WarnOfModel, TellsOfFacesThatLookInwards) {
+TEST(WarnOfModel, WarnsOfFacesThatPointInwards) {
   Cloud turned = test::cloud_of(test::bracket());
   std::swap(turned.triangles.b, turned.triangles.c);
   EXPECT_NE(warnings_of(turned).find("look inwards"), std::string::npos) << warnings_of(turned);
 }
 
-TEST(WarnOfSizes, TellsOfWhatDoesNotFitTheUnitOrTheOthers) {
+TEST(WarnOfSizes, WarnsOfModelsThatDoNotFitTheUnitOrTheOthers) {
   const std::vector<float> parts{0.1F, 0.12F, 0.08F, 100, 5};
   const auto warnings = warn_of_sizes(parts, LengthUnit::meter);
   EXPECT_EQ(warnings[0], "");

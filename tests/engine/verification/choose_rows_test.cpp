@@ -34,7 +34,7 @@ class ChooseRows : public testing::Test {
   PoseTable table_;
 };
 
-TEST_F(ChooseRows, RefinesHalfByWhatIsSeenAndHalfByVotes) {
+TEST_F(ChooseRows, RefinesHalfByVisibleSamplesAndHalfByVotes) {
   add(0, 0.9F, 0.1F);
   add(1, 0.8F, 0.2F);
   add(2, 0.3F, 0.9F);
@@ -77,7 +77,7 @@ TEST_F(ChooseRows, ExaminesTheBestOfWhatRefinementLedToOnePlace) {
   EXPECT_EQ(choose_to_examine(table_, all(), model(), 9, 0).size(), 3U);
 }
 
-TEST_F(ChooseRows, TakesCopiesUnderASymmetryForOnePlace) {
+TEST_F(ChooseRows, TreatsCopiesUnderASymmetryAsOnePlace) {
   Pose turned = Pose::Identity();
   turned.linear() = Eigen::AngleAxisf(3.14159274F, Eigen::Vector3f::UnitZ()).toRotationMatrix();
   add(0, 0.5F, 0);

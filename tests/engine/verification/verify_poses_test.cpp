@@ -75,7 +75,7 @@ TEST_F(VerifyPoses, ContoursOnlyLowerScores) {
   for (const Row row : rows) EXPECT_LE(table.score[row], table.screen_score[row]) << row;
 }
 
-TEST_F(VerifyPoses, RefinesToTheTruthAndTellsItByRays) {
+TEST_F(VerifyPoses, RefinesToTheTruthAndDistinguishesItByRays) {
   PoseTable table = ten_poses();
   const PoseVerifier verifier = this->verifier();
   verifier.refine(table, Rows{0});
@@ -115,7 +115,7 @@ TEST_F(VerifyPoses, KnowsWhatLiesOnMarkedPixels) {
   EXPECT_EQ(verifier.lie_on(table, Rows{0, 9}, {}), (std::vector<std::uint8_t>{0, 0}));
 }
 
-TEST_F(VerifyPoses, ScoresByVotesWhereNothingIsLookedAt) {
+TEST_F(VerifyPoses, ScoresByVotesWithoutVisibilityAndContour) {
   options_.visibility = options_.contour = false;
   PoseTable table = ten_poses();
   verifier().screen(table, Rows{3});

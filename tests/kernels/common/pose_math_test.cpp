@@ -192,7 +192,7 @@ TEST(MeanPose, DoesNotDependOnQuaternionSigns) {
   EXPECT_LT(reference::rotation_angle(mean, turned(id, axis, pi)), 1e-3);
 }
 
-TEST(MeanPose, TakenToOneBranchIgnoresSymmetry) {
+TEST(MeanPose, MovedToOneBranchIgnoresSymmetry) {
   Random random;
   for (const Symmetry& symmetry : symmetries(random)) {
     const Pose middle = random.motion();

@@ -34,7 +34,7 @@ Shape triangle_soup(Random& random, std::size_t n) {
 
 /// Threads of a service may lack memory. Embree's builder crashes or hangs when one of its
 /// allocations throws, and an abandoned scene must not pass for a complete one.
-TEST(RayScene, IsWholeOrNoneWhereverMemoryIsMissing) {
+TEST(RayScene, IsCompleteOrNoneWhereverMemoryIsMissing) {
   std::thread(wait_for_memory_on_this_thread).join();
   Random random(1);
   const Shape soup = triangle_soup(random, 300);
@@ -197,7 +197,7 @@ TEST(RayScene, TracesAPacketAsItsRaysOneByOne) {
   EXPECT_LT(num_occluded, 1700U);
 }
 
-TEST(RayScene, SeesOnlyTheStretchBetweenNearAndFar) {
+TEST(RayScene, HitsOnlyBetweenNearAndFar) {
   const Shape cube = test::box({-1, -1, -1}, {1, 1, 1});
   const auto scene = RayScene::from_mesh(cube.vertices, cube.triangles);
   ASSERT_TRUE(scene);

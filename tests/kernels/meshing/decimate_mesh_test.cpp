@@ -139,7 +139,7 @@ TEST(DecimateMesh, AFlatSheetOfUnevenTrianglesDoesNotFold) {
   }
 }
 
-TEST(DecimateMesh, WithNothingToDoGivesTheMeshBack) {
+TEST(DecimateMesh, ReturnsTheMeshIfThereIsNothingToDo) {
   const Mesh mesh = patch(3, Pose::Identity());
   const Mesh same = decimate(mesh, 18);
   ASSERT_EQ(same.vertices.size(), mesh.vertices.size());

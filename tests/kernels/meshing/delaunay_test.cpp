@@ -85,7 +85,7 @@ TEST(FindDelaunay, HasEmptyBallsAndFillsTheBox) {
   }
 }
 
-TEST(FindDelaunay, TakesGridsPlanesAndLines) {
+TEST(FindDelaunay, AcceptsGridsPlanesAndLines) {
   Points grid, plane, line;
   for (int i = 0; i < 125; ++i) {
     const Eigen::Vector3f p =
@@ -102,7 +102,7 @@ TEST(FindDelaunay, TakesGridsPlanesAndLines) {
   }
 }
 
-TEST(FindDelaunay, TakesEachPlaceOnceAndLeavesOutWhatIsNotFinite) {
+TEST(FindDelaunay, UsesEachPlaceOnceAndLeavesOutWhatIsNotFinite) {
   test::Random random;
   Points points = whole_points(50, random);
   for (std::size_t i = 0; i < 50; ++i) points.push_back(points[i]);

@@ -245,7 +245,7 @@ TEST(TriangulateCloud, MovesAndScalesWithTheCloud) {
   }
 }
 
-TEST(TriangulateCloud, TakesDuplicatesStrayPointsAndNone) {
+TEST(TriangulateCloud, AcceptsDuplicatesStrayPointsAndNone) {
   Samples samples = sample(test::ellipsoid({1, 1, 1}), 500);
   const auto expected = by_coordinates(mesh_of(samples));
   for (std::size_t i = 0; i < 500; i += 2) {
@@ -272,7 +272,7 @@ TEST(TriangulateCloud, TakesDuplicatesStrayPointsAndNone) {
   EXPECT_TRUE(triangulate(line).empty());
 }
 
-TEST(TriangulateCloud, TakesUnknownNormals) {
+TEST(TriangulateCloud, AcceptsUnknownNormals) {
   Samples samples = sample(test::ellipsoid({1, 0.7F, 0.4F}), 1000);
   for (std::size_t i = 0; i < 1000; i += 3)
     samples.normals.set(i, Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));

@@ -343,7 +343,7 @@ TEST(TriangulateGreedy, ReachesNoOutliers) {
   }
 }
 
-TEST(TriangulateGreedy, TakesAFewPoints) {
+TEST(TriangulateGreedy, AcceptsAFewPoints) {
   const float h = std::sqrt(3.0F) / 2;
   Oriented cloud;
   for (const Vector3f& p : {Vector3f(0, 0, 0), Vector3f(1, 0, 0), Vector3f(0.5F, h, 0)}) {

@@ -154,7 +154,7 @@ TEST(TriangulateGrid, DoesNotCutWhatNoiseExplains) {
   EXPECT_GT(static_cast<double>(triangulate(noisy, {}, nullptr, noise).size()), 0.95 * all);
 }
 
-TEST(TriangulateGrid, CutsWhatIsSeenAtTooGrazingAnAngle) {
+TEST(TriangulateGrid, CutsTrianglesAtTooGrazingAnAngle) {
   const GridTriangulationOptions no_jumps{.max_jump = 1000};
   EXPECT_EQ(triangulate(slanted_plane(70)).size(), 32U);
   EXPECT_EQ(triangulate(slanted_plane(76), no_jumps).size(), 32U);
@@ -188,7 +188,7 @@ TEST(TriangulateGrid, LeavesOutTrianglesWithoutAnArea) {
   EXPECT_TRUE(all_face(plane, triangles, Vector3f::Zero()));
 }
 
-TEST(TriangulateGrid, CountsWhatIsSeenFromBehind) {
+TEST(TriangulateGrid, CountsTrianglesThatFaceAway) {
   // A sheet that folds back over itself, which no sensor at the origin could see.
   DepthScan folded = facing_plane(9, 3);
   for (std::size_t i = 0; i < folded.points.size(); ++i) {
@@ -202,7 +202,7 @@ TEST(TriangulateGrid, CountsWhatIsSeenFromBehind) {
   EXPECT_TRUE(all_face(folded, triangles, Vector3f::Zero()));
 }
 
-TEST(TriangulateGrid, TakesImagesWithoutASquare) {
+TEST(TriangulateGrid, AcceptsImagesWithoutASquare) {
   for (const auto& [width, height] : {std::pair{0U, 0U}, {1U, 1U}, {1U, 5U}, {5U, 1U}})
     EXPECT_TRUE(triangulate(facing_plane(width, height)).empty());
   EXPECT_EQ(triangulate(facing_plane(2, 2)).size(), 2U);

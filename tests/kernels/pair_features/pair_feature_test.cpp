@@ -44,7 +44,7 @@ std::vector<Vector3f> directions(Random& random) {
   return out;
 }
 
-TEST(ReferenceFrame, IsARotationThatTakesThePointToTheOriginAndItsNormalToX) {
+TEST(ReferenceFrame, IsARotationThatMapsThePointToTheOriginAndItsNormalToX) {
   Random random;
   for (const Vector3f& normal : directions(random)) {
     const Vector3f point = 3.0F * random.direction();

@@ -152,7 +152,7 @@ TEST(PpfTable, IsTheSameForAnyNumberOfChunks) {
   }
 }
 
-TEST(PpfTable, LeavesOutPairsThatNoViewSees) {
+TEST(PpfTable, LeavesOutPairsWithoutACommonView) {
   Random random;
   const OrientedCloud model = clear_cloud(random, 60);
   std::vector<ViewMask> views(60, ViewMask{});

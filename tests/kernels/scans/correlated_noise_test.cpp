@@ -79,7 +79,7 @@ TEST(CorrelatedNoise, GrowsWithTheUnit) {
   EXPECT_NEAR(millimeter.slope_rad, meter.slope_rad, 1e-2F * meter.slope_rad);
 }
 
-TEST(CorrelatedNoise, SparesABendThatPosesTakeUp) {
+TEST(CorrelatedNoise, SparesABendThatPosesAbsorb) {
   const auto bow = [](float u, float) { return 4e-7F * (u - 160) * (u - 160); };  // 1 cm in all
   EXPECT_LT(measure(wall(kFacing, 0.8F, bow)).height, 1e-4F);
 }

@@ -147,7 +147,7 @@ TEST(EstimateNormalsGrid, NeverBlendsAcrossAStepInDepth) {
   }
 }
 
-TEST(EstimateNormalsGrid, UsesTheWholeWindowOfASlantedSurface) {
+TEST(EstimateNormalsGrid, UsesTheFullWindowOfASlantedSurface) {
   // At 60 degrees the farthest of the 49 pixels is 2.2 times as far as on a frontal surface.
   const float slope = std::tan(1.0472F);
   const DepthScan s = depth_scan(40, 30, [&](float a, float) { return 1 / (1 - slope * a); });

@@ -103,7 +103,7 @@ TEST(FindPlanes, LeavesOutPlanesBelowTheLeastAreaAndBeyondTheirNumber) {
   EXPECT_GT(planes[0].area, 10) << "the largest";
 }
 
-TEST(FindPlanes, TellsTheTwoSidesOfASheetApart) {
+TEST(FindPlanes, DistinguishesTheTwoSidesOfASheet) {
   Random random;
   Surfaces s;
   s.add_rectangle(random, 1000, Pose::Identity(), 1, 1, 0, 1);
@@ -172,7 +172,7 @@ TEST(LabelPlanes, NumbersPointsByThePlaneTheyLieOn) {
   EXPECT_LT(wrong, 100);  // clutter on a plane, and the crossing of the two
 }
 
-TEST(LabelPlanes, TakesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {
+TEST(LabelPlanes, ChoosesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {
   Points points;
   Normals normals;
   points.push_back({0, 0, kNaN});

@@ -18,7 +18,7 @@ bool touches(std::uint32_t u, std::uint32_t v, const Vector3d& center, double ra
   return (center - std::max(0.0, center.dot(ray)) * ray).norm() <= radius;
 }
 
-TEST(WindowOfBall, HoldsEveryPixelThatSeesTheBall) {
+TEST(WindowOfBall, HoldsEveryPixelThatShowsTheBall) {
   test::Random random;
   int num_seen = 0;
   for (int round = 0; round < 300; ++round) {
@@ -56,7 +56,7 @@ TEST(WindowOfBall, IsEmptyBehindTheCameraAndBesideTheImage) {
   EXPECT_TRUE(window_of_ball(kCamera, kWidth, kHeight, {0, -9, 5}, 0.5).empty());
 }
 
-TEST(WindowOfBall, IsTheWholeImageForABallAroundTheCamera) {
+TEST(WindowOfBall, IsTheFullImageForABallAroundTheCamera) {
   const PixelWindow whole{0, 0, kWidth, kHeight};
   EXPECT_EQ(window_of_ball(kCamera, kWidth, kHeight, {0, 0, 0.5}, 0.5), whole);
   EXPECT_EQ(window_of_ball(kCamera, kWidth, kHeight, {0, 0, -0.2}, 0.5), whole);

@@ -157,7 +157,7 @@ TEST(ChooseCamera, CountsPointsInOnePlaceOnce) {
   }
 }
 
-TEST(ChooseCamera, TellsNoDirectionsApartThatFloatsDoNot) {
+TEST(ChooseCamera, DistinguishesNoDirectionsThatFloatsDoNot) {
   Points line;  // of sight, up to rounding
   for (int i = 0; i < 1000; ++i)
     line.push_back(Vector3f(0.1F, 0.2F, 0.7F) * (1 + 0.001F * static_cast<float>(i)));
@@ -174,7 +174,7 @@ TEST(ChooseCamera, TellsNoDirectionsApartThatFloatsDoNot) {
   EXPECT_FALSE(fit_camera(grid, narrow)) << "a focal length of 1e8 pixels";
 }
 
-TEST(ChooseCamera, TakesTheGivenPixelUnlessTheImageGrowsTooLarge) {
+TEST(ChooseCamera, UsesTheGivenPixelUnlessTheImageGrowsTooLarge) {
   Random random;
   const Points points = random.surface(20'000);
   const auto coarse = choose_camera(points, {0, 0, 4}, 0.1F);

@@ -81,7 +81,7 @@ SensorModel model_of(const Field& depth, float range = 0.8F) {
   return model;
 }
 
-TEST(SensorModel, TakesIndependentNoiseForThatOnPlanesAndOnCurvedSurfaces) {
+TEST(SensorModel, MeasuresIndependentNoiseOnPlanesAndOnCurvedSurfaces) {
   test::Random random;
   for (const auto surface : {flat, slanted, hilly}) {
     const SensorModel model = model_of(sum_of(field_of(surface), independent(random, 1e-3F)));
@@ -93,7 +93,7 @@ TEST(SensorModel, TakesIndependentNoiseForThatOnPlanesAndOnCurvedSurfaces) {
   }
 }
 
-TEST(SensorModel, TellsNoiseThatWindowsShare) {
+TEST(SensorModel, MeasuresNoiseThatWindowsShare) {
   test::Random random;
   for (const auto surface : {flat, slanted, hilly}) {
     const Field shared = averaged(independent(random, 3e-3F));
@@ -103,7 +103,7 @@ TEST(SensorModel, TellsNoiseThatWindowsShare) {
   }
 }
 
-TEST(SensorModel, TellsMixturesByWhatIsShared) {
+TEST(SensorModel, DetectsMixturesByWhatIsShared) {
   test::Random random;
   float before = 0;
   // Independent noise of 1e-3 and the listed noise shared by neighboring pixels.
@@ -117,7 +117,7 @@ TEST(SensorModel, TellsMixturesByWhatIsShared) {
   EXPECT_GT(before, 0.5F);
 }
 
-TEST(SensorModel, TellsHowNoiseGrowsWithRange) {
+TEST(SensorModel, MeasuresHowNoiseGrowsWithRange) {
   test::Random random;
   for (const float exponent : {0.0F, 1.0F, 2.0F}) {
     const Field depth = field_of([&](float u, float v) {
@@ -141,7 +141,7 @@ TEST(SensorModel, KeepsThePriorAtOneRange) {
   EXPECT_EQ(model.exponent, static_cast<float>(kPrior));
 }
 
-TEST(SensorModel, TakesErrorsForIndependentAndAlikeWhereItSeesTooLittle) {
+TEST(SensorModel, AssumesIndependentErrorsWithTooFewPatches) {
   const std::vector<SmoothPatch> patches(8, {0.8F, 1e-3F, 0.6F});
   SensorModel model;
   model.noise = 1e-3F;
@@ -265,7 +265,7 @@ TEST(SensorModel, IsTheSameInMetersAndMillimeters) {
   EXPECT_NEAR(millimeters.exponent, meters.exponent, 1e-3F);
 }
 
-TEST(SensorModel, TellsWavesByItsNoiseOnlyWhereNoPlaneDid) {
+TEST(SensorModel, DetectsWavesByItsNoiseOnlyWhereNoPlaneDid) {
   const std::vector<SmoothPatch> patches(20, {0.8F, 1e-3F, 0.6F});
   SensorModel told;
   told.noise = 1e-3F;

@@ -123,7 +123,7 @@ TEST(CutShare, HoldsTheShareThatLiesFarthest) {
   }
 }
 
-TEST(CutShare, TakesLessWhereManyLieEquallyFar) {
+TEST(CutShare, CutsFewerWhereManyLieEquallyFar) {
   Points points(10);  // two layers: eight points at height 1, two at height 2
   for (std::size_t i = 0; i < 10; ++i)
     points.set(i, {static_cast<float>(i), 0, i < 8 ? 1.0F : 2.0F});

@@ -42,7 +42,7 @@ TEST(NoiseField, DependsOnItsSeedAndThePlaceAlone) {
   EXPECT_NE(small.at(31, 17), other.at(31, 17));
 }
 
-TEST(NoiseField, AllocatesNothingWhenLookedAt) {
+TEST(NoiseField, AllocatesNothingWhenSampled) {
   const NoiseField field(kWidth, kHeight, 8, 1, 2, 3);
   double sum = 0;
   EXPECT_EQ(test::allocations_in([&] { sum = field.at(kWidth - 1, kHeight - 1); }), 0U);

@@ -42,7 +42,7 @@ TEST(LaserSigma, IsSomeHundredthsOfAMillimeter) {
   EXPECT_LT(laser_sigma(0.7, 0.3), laser_sigma(0.7, 0.2)) << "a wider angle of triangulation";
 }
 
-TEST(QuantizeDisparity, KeepsDepthsOfWholeStepsAndRoundsOthers) {
+TEST(QuantizeDisparity, KeepsMultiplesOfTheStepAndRoundsOthers) {
   const double f = 500, b = 0.08;  // disparity 40 / z
   EXPECT_DOUBLE_EQ(quantize_disparity(0.8, f, b, 0.125), 0.8);
   for (const double z : {0.51, 0.77, 1.3, 2.9}) {

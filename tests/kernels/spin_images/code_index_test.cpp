@@ -30,7 +30,7 @@ std::uint32_t squared_distance(std::span<const std::uint8_t> a, std::span<const 
   return static_cast<std::uint32_t>(sum);
 }
 
-TEST(CodeDistances, AreThoseOfWholeNumbers) {
+TEST(CodeDistances, AreThoseOfIntegers) {
   test::Random random;
   for (const std::size_t stride : {16U, 64U, 80U, 688U}) {
     const auto codes = random_codes(random, 50, stride), query = random_codes(random, 1, stride);

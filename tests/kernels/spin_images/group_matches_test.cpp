@@ -43,7 +43,7 @@ void expect_near(const Pose& found, const Pose& truth) {
 
 std::vector<Pose> two_poses(test::Random& random) { return {random.motion(), random.motion()}; }
 
-TEST(FitPose, TakesOnePointSetToTheOther) {
+TEST(FitPose, MapsOnePointSetToTheOther) {
   test::Random random;
   for (int i = 0; i < 20; ++i) {
     const Pose truth = random.motion();

@@ -101,7 +101,7 @@ TEST(CountSharers, StopsAt255) {
   EXPECT_LT(std::ranges::max(sharers.of_view(5)), 255);
 }
 
-TEST(CompareViews, FindsThoseThatDifferInLittleOfWhatTheySee) {
+TEST(CompareViews, FindsViewsWhoseVisiblePointsDifferLittle) {
   const Scene scene(3);
   const Gridded gridded(scene);
   ViewedSupport all;

@@ -14,7 +14,7 @@ Eigen::Matrix3f turn(float angle, const Eigen::Vector3f& axis) {
   return Eigen::AngleAxisf(angle, axis.normalized()).toRotationMatrix();
 }
 
-TEST(RotationCode, GivesBackTheRotation) {
+TEST(RotationCode, ReproducesTheRotation) {
   test::Random random;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector3f axis = random.direction();

@@ -49,7 +49,7 @@ TEST(GatherSupport, GivesWhatLiesWithinTheRadiusRelativeToTheKeypoint) {
   }
 }
 
-TEST(GatherSupport, TakesAnAreaOfOneWhereNoneIsGivenAndAllocatesOnce) {
+TEST(GatherSupport, UsesAnAreaOfOneWhereNoneIsGivenAndAllocatesOnce) {
   test::Random random;
   const Points cloud = random.surface(500);
   const VoxelHash grid(cloud, 0.3F);

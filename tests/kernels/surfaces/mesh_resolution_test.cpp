@@ -83,7 +83,7 @@ TEST(MeanNeighborDistance, AgreesWithReferenceOnRandomPoints) {
   }
 }
 
-TEST(MeanNeighborDistance, TakesFewAndRefusesBrokenPoints) {
+TEST(MeanNeighborDistance, AcceptsFewAndRefusesBrokenPoints) {
   EXPECT_EQ(*mean_neighbor_distance(Points()), 0);
   EXPECT_EQ(*mean_neighbor_distance(Points(1)), 0);
   EXPECT_EQ(*mean_neighbor_distance(Points(2)), 0) << "in one place";

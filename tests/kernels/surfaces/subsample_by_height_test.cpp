@@ -93,7 +93,7 @@ TEST(SubsampleLocalMaximum, KeepsAPointThatIsAlone) {
   EXPECT_EQ(local_maximum(points, 1), (Indices{0, 1}));
 }
 
-TEST(SubsampleLocalMaximum, TakesTheLowestIndexOfEquallyHighPoints) {
+TEST(SubsampleLocalMaximum, ChoosesTheLowestIndexOfEquallyHighPoints) {
   Points points;
   for (int i = 0; i < 4; ++i) points.push_back({static_cast<float>(i) / 4, 0, 1});
   EXPECT_EQ(local_maximum(points, 1), (Indices{1, 2, 3}));

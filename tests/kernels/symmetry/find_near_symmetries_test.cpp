@@ -119,7 +119,7 @@ TEST(FindNearSymmetries, TurnsABoxOfAlmostEqualSides) {
   EXPECT_FALSE(found.axis);
 }
 
-TEST(FindNearSymmetries, FindsAnAxisAboutWhichAnyTurnLooksAlike) {
+TEST(FindNearSymmetries, FindsAnAxisOfNearRotationalSymmetry) {
   const Found found(beaker());
   EXPECT_TRUE(found.symmetry.trivial());
   ASSERT_TRUE(found.axis);

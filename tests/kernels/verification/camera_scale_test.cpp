@@ -97,7 +97,7 @@ TEST(EstimateScales, FindsTheDepthScaleThatIsWrittenWrong) {
   }
 }
 
-TEST(EstimateScales, TakesDepthAsItIsWhereNeighborsErrAlike) {
+TEST(EstimateScales, KeepsDepthWhereNeighborsErrAlike) {
   Brackets brackets;
   const CameraScale found = estimate_scales(brackets.settle(1));
   EXPECT_FALSE(found.depth);
@@ -129,7 +129,7 @@ TEST(EstimateScales, AgreesWithTheJointSolutionOfAllPosesAndScales) {
   EXPECT_NEAR(std::log(found.depth->value), joint[1], 1e-6);
 }
 
-TEST(GatherObject, TakesNoMoreThanTheImageOfAPoseNextToTheCamera) {
+TEST(GatherObject, UsesOnlyTheImageForAPoseNextToTheCamera) {
   Brackets brackets;
   ScaleScratch scratch;
   ObjectEquations equations;
@@ -172,7 +172,7 @@ TEST(EstimateScales, IsLessSureWhereModelsDisagree) {
   EXPECT_NEAR(estimate_scales(pulls).focal.error, 0.01, 0.0005);
 }
 
-TEST(LeavePoseFree, TellsTheSameFromWhereverTheEquationsWereSetUp) {
+TEST(LeavePoseFree, GivesTheSameFromWhereverTheEquationsWereSetUp) {
   test::Random random;
   ObjectEquations equations = random_equations(random);
   const ScalePull at_one = leave_pose_free(equations, {});

@@ -112,7 +112,7 @@ TEST(ClusterPoses, NeverChains) {
   }
 }
 
-TEST(ClusterPoses, TakesSymmetricPosesAsOne) {
+TEST(ClusterPoses, TreatsSymmetricPosesAsOne) {
   Random random;
   const float pi = static_cast<float>(reference::kPi);
   std::vector<Symmetry> symmetries(3);

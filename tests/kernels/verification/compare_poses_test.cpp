@@ -68,7 +68,7 @@ PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b,
   return compare_poses({&image, 1}, club().at(a), club().at(b), errors, options(), scratch);
 }
 
-TEST(ComparePoses, TellsAClubFromItsFlip) {
+TEST(ComparePoses, DistinguishesAClubFromItsFlip) {
   test::Random random;
   RangeImage image = look({kTruth});
   add_noise(random, image);
@@ -164,7 +164,7 @@ TEST(ComparePoses, DoesNotDependOnTheFrameOfTheScene) {
   EXPECT_NEAR(here.z, there.z, 0.3);
 }
 
-TEST(ComparePoses, TellsModelsApartWhereTheyDiffer) {
+TEST(ComparePoses, DistinguishesModelsWhereTheyDiffer) {
   const Club thicker(0.032F);
   test::Random random;
   RangeImage image = look({kTruth});
@@ -238,7 +238,7 @@ TEST(ComparePoses, ForgivesBlendedDepthWhereNeighborsErrAlike) {
             compare(image, kTruth, away, {kNoise, 3, 1}).log_ratio);
 }
 
-TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {
+TEST(ComparePoses, CountsMeasurementsBehindTheModelAndPartsThatReachThroughATable) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
   const RangeImage image = look({kTruth});
   EXPECT_GT(compare(image, kTruth, aside).z, PoseComparison::kSignificant);
@@ -252,7 +252,7 @@ TEST(ComparePoses, CountsWhatIsSeenThroughAndWhatReachesThroughATable) {
 }
 
 // Halfway between two poses neither is better; noise must not decide.
-TEST(ComparePoses, IsRarelySureOfWhatOnlyNoiseTells) {
+TEST(ComparePoses, IsRarelySureWhereOnlyNoiseDiffers) {
   const Pose near = test::pose_of({0, 0, 0}, {0, 0, -0.0008F}) * kTruth;
   const Pose far = test::pose_of({0, 0, 0}, {0, 0, 0.0008F}) * kTruth;
   const RangeImage exact = look({kTruth});

@@ -80,7 +80,7 @@ TEST(CompareTurns, FindsTheTurnThatTheScanShows) {
   }
 }
 
-TEST(CompareTurns, LooksAtOnePeriod) {
+TEST(CompareTurns, ComparesOnePeriod) {
   const Drum drum(3);
   const RangeImage image = drum.look(kFacing);
   const TurnComparison turns = drum.compare(image, kFacing * turn_about(kAxis, 1.2F), kFull / 3);
@@ -91,7 +91,7 @@ TEST(CompareTurns, LooksAtOnePeriod) {
   EXPECT_NEAR(all.share, 1.0F / 3, 0.2F) << "three turns are as good";
 }
 
-TEST(CompareTurns, SharesTheLikelihoodAmongTurnsThatLookAlike) {
+TEST(CompareTurns, SharesTheLikelihoodAmongSimilarTurns) {
   const Drum drum(1);
   const TurnComparison turns = drum.compare(drum.look(kAway), kAway, kFull);
   EXPECT_LT(turns.share, 0.2F) << "the knob is behind";
@@ -118,7 +118,7 @@ RangeImage hide(RangeImage image, const Pose& pose, float from, float to) {
 }
 
 // The knob is known to be behind the cover, which is three times as wide, but not where.
-TEST(CompareTurns, TakesTheMiddleOfTurnsThatLookAlikeAndTellsTheirEnds) {
+TEST(CompareTurns, ChoosesTheMiddleOfSimilarTurnsAndReportsTheirEnds) {
   const Drum drum(1);
   constexpr float kHalf = 50 * kDegree, kKnob = 9 * kDegree;
   for (const float knob : {-25.0F, 0.0F, 30.0F}) {

@@ -197,7 +197,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
 }
 
 // A face fits any plane; an edge, and even more a corner, fits only a similar shape.
-TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
+TEST(ExaminePose, MeasuresHowFarFromAPlaneTheVisiblePartIs) {
   const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Pose edge = test::pose_of({0.8F, 0, 0}, {0, 0, 0.6F});
   const auto relief = [](const Pose& pose) {
@@ -208,7 +208,7 @@ TEST(ExaminePose, TellsHowFarFromAPlaneWhatIsSeenIs) {
 }
 
 // A pixel attributed to an object may belong to a surface that the object would lie beneath.
-TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
+TEST(ExaminePose, DistinguishesSunkenFromHiddenParts) {
   const auto behind = [](float depth) {
     const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});
     return examine(look({{&brick(), test::pose_of({0, 0, 0}, {0, 0, 0.6F})}}), brick(), pose);
@@ -219,7 +219,7 @@ TEST(ExaminePose, TellsWhatIsSunkFromWhatIsHidden) {
   EXPECT_EQ(hidden.sunk, 0);
 }
 
-TEST(ExaminePose, TellsAWrongTurnByTheSlopeOfWhatIsLeft) {
+TEST(ExaminePose, DetectsAWrongTurnByTheSlopeOfResiduals) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
   for (const float angle : {0.01F, 0.02F}) {  // 0.1 m from the axis, still within the tolerance
@@ -259,7 +259,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
 }
 
 // One face fixes neither two shifts nor a rotation; its outline does.
-TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
+TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasMeasured) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const RangeImage image = look({{&brick(), flat}});
   EXPECT_GT(examine(image, brick(), flat).stability, 0.005F);
@@ -283,7 +283,7 @@ TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasSeen) {
 }
 
 // The side of a rod does not fix its shift along the axis, whatever its orientation.
-TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreSeen) {
+TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreVisible) {
   const Body rod = rod_of(0.02F, 0.1F), longer = rod_of(0.02F, 0.25F), screen({0.05F, 0.2F, 0.01F});
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   for (const float angle : {0.0F, 0.2F, 0.4F, 0.7854F, 1.2F}) {
@@ -347,7 +347,7 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   EXPECT_NEAR(out.stability, stability, 1e-4F * stability) << "means, over all images";
 }
 
-TEST(ExaminePose, SeesWhereTheSceneRunsOn) {
+TEST(ExaminePose, FindsWhereTheSceneRunsOn) {
   // The model is a part of a larger flat thing.
   const Body plate({0.3F, 0.3F, 0.04F});
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
@@ -381,7 +381,7 @@ RangeImage face_in_wall(float slope, float rounded) {
   return image;
 }
 
-TEST(ExaminePose, TellsWhatTouchesFromWhatRunsOn) {
+TEST(ExaminePose, DistinguishesTouchingFromContinuingSurfaces) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const auto seen = [&](float slope, float rounded) {
     return examine(face_in_wall(slope, rounded), brick(), flat);
@@ -425,7 +425,7 @@ TEST(ExaminePose, SparesTheWavesOfTheScan) {
 }
 
 // The brick sticks out of a slanted wall that hides its other part.
-TEST(ExaminePose, SeesWhereTheModelDipsBeneathTheScene) {
+TEST(ExaminePose, FindsWhereTheModelDipsBeneathTheScene) {
   const Body wall({0.4F, 0.4F, 0.01F}), cover({0.1F, 0.03F, 0.01F});
   const Pose slanted = test::pose_of({0, 0.35F, 0}, {0, 0, 0.6F});
   const Pose straight = test::pose_of({0, 0, 0}, {0, 0, 0.63F});
@@ -477,7 +477,7 @@ TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
   EXPECT_GT(lenient.outline_free, strict.outline_free);
 }
 
-TEST(ExaminePose, SeesAHoleInTheMiddleThroughAnyBlur) {
+TEST(ExaminePose, FindsAHoleInTheMiddleAtAnyBlur) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = look({{&brick(), flat}});
   constexpr int kLeft = 68, kTop = 50, kAcross = 24, kDown = 20, kEdge = 5;

@@ -64,7 +64,7 @@ double objective(const ScoreModel& model, const Rows& rows, double ridge) {
   return sum;
 }
 
-TEST(FitScore, TellsTheProbabilitiesThatTheOutcomesWereDrawnWith) {
+TEST(FitScore, EstimatesTheProbabilitiesThatTheOutcomesWereDrawnWith) {
   const Rows rows = draw(8000, 1), fresh = draw(2000, 2);
   const ScoreModel model = fit_score(rows.parts, rows.right, 1);
   double error = 0;

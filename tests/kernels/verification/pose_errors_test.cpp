@@ -237,7 +237,7 @@ TEST_F(Vsd, CountsPixelsThatAreApartByTheTolerance) {
 }
 
 // 0.375 and 0.5 are exact in float.
-TEST_F(Vsd, TakesPixelsApartByJustTheToleranceForWrong) {
+TEST_F(Vsd, TreatsPixelsApartByJustTheToleranceAsWrong) {
   const PixelWindow whole{0, 0, kWidth, kHeight};
   const Image a = with(kLeft, 10), b = with(kLeft, 9.5F);
   constexpr std::array<double, 2> taus{0.25, 0.2501};
@@ -259,7 +259,7 @@ TEST_F(Vsd, AddsBothKindsOfWrongPixels) {
   EXPECT_EQ(errors(estimate, with(kLeft, 10)), expected);
 }
 
-TEST_F(Vsd, TakesSurfacesForVisibleWhereNothingWasMeasured) {
+TEST_F(Vsd, TreatsSurfacesAsVisibleWhereNothingWasMeasured) {
   measured = image(0);
   EXPECT_EQ(errors(with(kLeft, 20), with(kLeft, 20)), all(0));
   EXPECT_EQ(errors(with(kLeft, 20), with(kRight, 20)), all(1));
@@ -282,7 +282,7 @@ TEST_F(Vsd, HidesASurfaceMoreThanDeltaBehindTheMeasurement) {
 
 // The estimate lies 0.75 behind the measurement, invisible by itself, but the truth is visible
 // there: the pixels are common, and 0.375 diameters apart.
-TEST_F(Vsd, SeesTheEstimateWhereTheTruthIsVisible) {
+TEST_F(Vsd, CountsTheEstimateAsVisibleWhereTheTruthIs) {
   const std::array<double, 3> expected{1, 1, 0};
   EXPECT_EQ(errors(with(kLeft, 10.75F), with(kLeft, 10)), expected);
   Image wide = with({0, 0, 8, 6}, 11);  // its right half is hidden, and does not count as an error
@@ -292,7 +292,7 @@ TEST_F(Vsd, SeesTheEstimateWhereTheTruthIsVisible) {
   EXPECT_EQ(errors(with(kLeft, 10), with(kLeft, 11)), all(1));
 }
 
-TEST_F(Vsd, GivesTheSameForWindowsAsForWholeImages) {
+TEST_F(Vsd, GivesTheSameForWindowsAsForFullImages) {
   test::Random random;
   for (int round = 0; round < 200; ++round) {
     const auto window = [&] {

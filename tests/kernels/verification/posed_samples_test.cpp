@@ -54,7 +54,7 @@ TEST(PosedSamples, PlacesThemToTheBitAsOneByOne) {
   EXPECT_LT(inside, samples.points.size() - 100);
 }
 
-TEST(PosedSamples, SeesByTheViewTowardsTheCamera) {
+TEST(PosedSamples, DecidesVisibilityByTheViewTowardsTheCamera) {
   const Close close;
   const ModelSamples samples = close.ball.view();
   const Pose pose = close.geometry.T_camera_scene.inverse() * test::placed({0.3F, -0.4F, 5});

@@ -138,7 +138,7 @@ TEST(VerifyPose, CountsWhatSomethingNearerHides) {
   EXPECT_GT(e.contour(), 0.97F);
 }
 
-TEST(VerifyPose, CountsWhatTheSensorLooksThrough) {
+TEST(VerifyPose, CountsMeasurementsBehindTheModel) {
   const BallScene scene;
   for (const bool background : {false, true}) {
     const Evidence e = scene.look({wall(4, 1)}, scene.truth, background);
@@ -177,7 +177,7 @@ TEST(VerifyPose, IsNeutralOutsideTheImage) {
 }
 
 // The first and the last pixel of a row are adjacent only in memory.
-TEST(VerifyPose, DoesNotLookRoundTheEdgeOfTheImage) {
+TEST(VerifyPose, DoesNotReadBeyondTheEdgeOfTheImage) {
   for (const float side : {-1.0F, 1.0F}) {
     std::array images{test::render(camera(), {wall(3)})};
     for (std::size_t pixel = 0; pixel < images[0].depth.size(); ++pixel) {
@@ -195,7 +195,7 @@ TEST(VerifyPose, DoesNotLookRoundTheEdgeOfTheImage) {
   }
 }
 
-TEST(VerifyPose, TakesNoSupportFromABackgroundPlane) {
+TEST(VerifyPose, GetsNoSupportFromABackgroundPlane) {
   const test::Solid box = test::box_of({0.4, 0.3, 0.2});
   const test::SampledModel model = test::sampled_solid(box, 0.03F, 0.54F);
   const Pose flush = test::placed({0, 0, 3.2F});  // its front lies in the wall
@@ -272,7 +272,7 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
   }
 }
 
-TEST(VerifyPose, LooksAtTheFirstSamplesOnly) {
+TEST(VerifyPose, UsesTheFirstSamplesOnly) {
   const BallScene scene;
   const std::array images{test::render(camera(), {scene.seen})};
   VerifyOptions options;

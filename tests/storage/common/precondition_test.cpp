@@ -9,7 +9,7 @@
 namespace trivet {
 namespace {
 
-TEST(Precondition, ThrowsInEveryBuildAndTellsWhatWasExpected) {
+TEST(Precondition, ThrowsInEveryBuildAndNamesTheExpectation) {
   const int width = 3;
   EXPECT_NO_THROW(TRIVET_REQUIRE(width == 3, "whole rows"));
   try {

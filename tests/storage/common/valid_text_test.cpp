@@ -91,7 +91,7 @@ TEST(ValidText, PassesStrictJson) {
   }
 }
 
-TEST(JsonText, TakesAnyBytesAndNeverActsOnATerminal) {
+TEST(JsonText, AcceptsAnyBytesAndNeverActsOnATerminal) {
   Random random;
   for (int i = 0; i < 20'000; ++i) {
     const std::string bytes = random_bytes(random, random.below(12));

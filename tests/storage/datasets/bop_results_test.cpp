@@ -120,7 +120,7 @@ TEST_F(BopResults, SurviveAnyByteAnywhere) {
   }
 }
 
-TEST(BopResultName, TellsTheDataSetAndItsSplit) {
+TEST(BopResultName, NamesTheDataSetAndItsSplit) {
   for (const char* name : {"trivet_lmo-test.csv", "a-b_ycbv-test-real.csv", "trivet_lmo-test_2.csv",
                            "out/trivet_lmo-test_5ed0-a_b.csv", "trivet_lmo-test.json.gz"}) {
     EXPECT_TRUE(is_bop_result_name(name)) << name;

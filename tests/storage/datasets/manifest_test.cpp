@@ -25,7 +25,7 @@ class ReadManifest : public testing::Test {
   test::TempDir folder_;
 };
 
-TEST_F(ReadManifest, TakesModelsInTheOrderOfTheFile) {
+TEST_F(ReadManifest, ReadsModelsInTheOrderOfTheFile) {
   const auto manifest = read(R"({"unit": "mm", "models": {
       "zebra": {"file": "a/zebra.ply", "scale": 0.5},
       "ant": {"file": "/somewhere/ant.stl", "symmetries": [)" +
@@ -55,7 +55,7 @@ TEST_F(ReadManifest, TakesModelsInTheOrderOfTheFile) {
   EXPECT_FALSE(models[3].symmetry);
 }
 
-TEST_F(ReadManifest, TakesScenesWithCamerasViewpointsAndTruth) {
+TEST_F(ReadManifest, ReadsScenesWithCamerasViewpointsAndTruth) {
   const auto manifest = read(R"({"unit": "m", "scenes": [
       {"file": "s/depth.png", "camera": {"fx": 500, "fy": 400, "cx": 3, "cy": 2, "depth_scale": 0.001}, "viewpoint": null,
        "truth": [{"model": "ant", "T_scene_model": )" +
@@ -132,7 +132,7 @@ TEST_F(ReadManifest, NamesThePathOfWhatIsWrong) {
   EXPECT_EQ(read_manifest(folder_ / "none.json").error().code, ErrorCode::missing_input);
 }
 
-TEST_F(ReadManifest, RefusesNamesThatNobodyReadsAndTellsTheNearest) {
+TEST_F(ReadManifest, RefusesUnknownNamesAndSuggestsTheNearest) {
   const auto model = [](const std::string& body) {
     return R"({"unit": "m", "models": {"ant": {"file": "a", )" + body + "}}}";
   };

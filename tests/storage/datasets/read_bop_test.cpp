@@ -139,7 +139,7 @@ TEST_F(ReadBop, IgnoresTruthOfWhichTooLittleIsVisible) {
   EXPECT_FALSE(manifest->scenes[2].truth[0].ignore) << "just a tenth";
 }
 
-TEST_F(ReadBop, TakesTestSetsWithoutTruth) {
+TEST_F(ReadBop, AcceptsTestSetsWithoutTruth) {
   for (const char* name : {"scene_gt_info.json", "scene_gt.json"}) {
     fs::remove(root() / "test/000001" / name);
     const Result<Manifest> manifest = read_bop(root());
@@ -153,7 +153,7 @@ TEST_F(ReadBop, TakesTestSetsWithoutTruth) {
   }
 }
 
-TEST_F(ReadBop, TakesTheImagesAndCountsOfTheTargets) {
+TEST_F(ReadBop, ReadsTheImagesAndCountsOfTheTargets) {
   write_split("val");
   scenes_[0].images.pop_back();
   ASSERT_TRUE(write_bop_targets(root(), scenes_));
@@ -178,7 +178,7 @@ TEST_F(ReadBop, TakesTheImagesAndCountsOfTheTargets) {
   EXPECT_EQ(manifest->scenes.size(), 3U) << "the targets are those of the test images";
 }
 
-TEST_F(ReadBop, TakesTheFolderOfASplit) {
+TEST_F(ReadBop, AcceptsTheFolderOfASplit) {
   fs::rename(root() / "test", root() / "test_primesense");
   const auto name_of = [&](const fs::path& folder) {
     const Result<Manifest> manifest = read_bop(folder);
@@ -295,7 +295,7 @@ class ReadBopOfCameras : public ReadBop {
   }
 };
 
-TEST_F(ReadBopOfCameras, TakesTheOneThatHasDepth) {
+TEST_F(ReadBopOfCameras, ChoosesTheOneThatHasDepth) {
   const Result<Manifest> before = read_bop(root());
   name_cameras(false);
   const Result<Manifest> manifest = read_bop(root());

@@ -23,7 +23,7 @@ std::ptrdiff_t count_files(const fs::path& folder) {
   return std::distance(fs::directory_iterator(folder), {});
 }
 
-TEST(MappedFile, ShowsTheWholeFile) {
+TEST(MappedFile, ShowsTheFullFile) {
   const test::TempDir folder;
   const auto file = MappedFile::open(folder.write("a", "some bytes"), 10);
   const auto empty = MappedFile::open(folder.write("b", ""), 0);

@@ -30,7 +30,7 @@ const std::string kPage = "\n<!DOCTYPE html>\n<html><body>Sign in</body></html>\
 const std::string kPointer =
     "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
 
-TEST(LooksLike, TellsWhatIsOftenFoundInTheWrongPlace) {
+TEST(LooksLike, RecognizesFrequentWrongInputs) {
   EXPECT_EQ(what(kPage), "an HTML page");
   EXPECT_EQ(what("\xEF\xBB\xBF<HTML>"), "an HTML page");
   EXPECT_EQ(what(kPointer), "a pointer of Git LFS");
@@ -51,7 +51,7 @@ TEST(LooksLike, SaysNothingOfWhatMayBeGeometry) {
     EXPECT_EQ(what(text), "") << text;
 }
 
-TEST(LooksLike, IsToldByEveryReader) {
+TEST(LooksLike, IsReportedByEveryReader) {
   const test::TempDir folder;
   for (const std::string extension :
        {".ply", ".pcd", ".obj", ".stl", ".off", ".xyz", ".txt", ".asc", ".csv", ".pts", ".png"}) {
@@ -67,7 +67,7 @@ TEST(LooksLike, IsToldByEveryReader) {
   }
 }
 
-TEST(LooksLike, IsToldOfFilesOfJson) {
+TEST(LooksLike, IsReportedForJsonFiles) {
   const test::TempDir folder;
   const auto read = with_json(folder.write("camera.json", kPage), [](const JsonNode&) {});
   ASSERT_FALSE(read);

@@ -73,7 +73,7 @@ TEST(MappedFile, LeavesTheFaultsOfOthersToThem) {
   ::close(descriptor);
 }
 
-TEST(MappedFile, SeesWhatWasChangedInPlace) {
+TEST(MappedFile, DetectsChangesInPlace) {
   const test::TempDir folder;
   const std::string bytes(3 * kPageBytes, 'x');
   const auto changes = {
@@ -94,7 +94,7 @@ TEST(MappedFile, SeesWhatWasChangedInPlace) {
   }
 }
 
-TEST(MappedFile, IsTheSameWhenItsNameIsTakenByAnotherFile) {
+TEST(MappedFile, IsTheSameWhenAnotherFileGetsItsName) {
   const test::TempDir folder;
   const fs::path file = folder.write("a", "some bytes");
   const auto mapped = map(file, Writers::others);
@@ -119,7 +119,7 @@ TEST(MappedFile, IsTouchedByWhatMayHaveSetItsTimeBack) {
   EXPECT_EQ(mapped->state(), State::touched);
 }
 
-TEST(ReadFile, GivesTheWholeFileWithinBounds) {
+TEST(ReadFile, GivesTheFullFileWithinBounds) {
   const test::TempDir folder;
   const std::string bytes(100 * kPageBytes, 'a');
   const fs::path file = folder.write("a", bytes);
@@ -131,7 +131,7 @@ TEST(ReadFile, GivesTheWholeFileWithinBounds) {
   EXPECT_EQ(read_file(folder.write("empty", ""), 0).value().size(), 0U);
 }
 
-TEST(ReadFile, SeesThatTheFileWasWrittenMeanwhile) {
+TEST(ReadFile, DetectsThatTheFileWasWrittenMeanwhile) {
   const test::TempDir folder;
   const fs::path file = folder.write("a", "");
   fs::resize_file(file, std::size_t{32} << 20U);

@@ -87,7 +87,7 @@ TEST(DeclaredSize, IsWhatTheHeaderOfAnImageSays) {
       << "a few kilobytes";
 }
 
-TEST(DeclaredSize, TakesAnyBytes) {
+TEST(DeclaredSize, AcceptsAnyBytes) {
   for (const test::SampleFile& file : test::sample_files()) {
     for (std::size_t n = 0; n < file.bytes.size(); n += 7)
       EXPECT_LE(declared(file.name, file.bytes.substr(0, n)).num_points, 200'000'000U);
@@ -95,7 +95,7 @@ TEST(DeclaredSize, TakesAnyBytes) {
 }
 
 // Covers every format, and gzip.
-TEST(ReadCloud, LooksWhetherItIsToStop) {
+TEST(ReadCloud, ChecksForStopRequests) {
   std::stop_source stop;
   stop.request_stop();
   const std::stop_token token = stop.get_token();

@@ -64,7 +64,7 @@ TEST(KeepPoints, LeavesEveryPixelItsPoint) {
   }
 }
 
-TEST(KeepPoints, TakesCloudsWithoutMoreThanPoints) {
+TEST(KeepPoints, AcceptsCloudsOfPointsOnly) {
   Cloud cloud;
   keep_points({}, cloud);
   EXPECT_TRUE(cloud.points.empty());

@@ -125,7 +125,7 @@ TEST_F(CloudFromPoints, KeepsTheGridOfAnOrganizedCloud) {
   EXPECT_TRUE(are_same(taken, read("grid.npy", npy_file("<f4", "(2, 3, 6)", bytes_of(both)))));
 }
 
-TEST_F(CloudFromPoints, TakesAnyStrides) {
+TEST_F(CloudFromPoints, AcceptsAnyStrides) {
   const std::vector<float> xyz{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12};
   const auto expected = cloud_from_points(ArrayView::packed(xyz.data(), 4, 3));
   const std::vector<float> transposed{1, 4, 7, 10, 2, 5, 8, 11, 3, 6, 9, 12};
@@ -144,7 +144,7 @@ TEST_F(CloudFromPoints, TakesAnyStrides) {
   EXPECT_TRUE(are_same(cloud_from_points({swapped.data(), 3, {2, 2, 3}, {3, 6, 1}}), image));
 }
 
-TEST_F(CloudFromPoints, TakesTrianglesAndThoseOfDroppedPointsGo) {
+TEST_F(CloudFromPoints, ReadsTrianglesAndDropsThoseOfDroppedPoints) {
   const std::vector<float> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, kNaN, 0, 0, 1, 1, 0};
   const std::vector<std::uint32_t> faces{0, 1, 2, 1, 3, 2, 1, 4, 2};
   const std::vector<std::int64_t> wide(faces.begin(), faces.end());

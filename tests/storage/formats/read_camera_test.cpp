@@ -24,7 +24,7 @@ class ReadCamera : public testing::Test {
   test::TempDir folder_;
 };
 
-TEST_F(ReadCamera, TakesEachOfItsOwnForms) {
+TEST_F(ReadCamera, ReadsEachOfItsOwnForms) {
   const Camera expected{500, 400, 320, 240, 0.1};
   const std::string bop = R"({"cam_K": [500, 0, 320, 0, 400, 240, 0, 0, 1], "depth_scale": 0.1})";
   const auto plain =
@@ -38,7 +38,7 @@ TEST_F(ReadCamera, TakesEachOfItsOwnForms) {
   EXPECT_EQ(*scene, expected);
 }
 
-TEST_F(ReadCamera, TakesCameraModelsWithoutDistortion) {
+TEST_F(ReadCamera, AcceptsCameraModelsWithoutDistortion) {
   Camera expected{500, 400, 320, 240, 0.1};
   expected.width = 640, expected.height = 480;
   const auto model = [](const char* type, const char* parameters) {
@@ -62,7 +62,7 @@ TEST_F(ReadCamera, TakesCameraModelsWithoutDistortion) {
                  "\"CameraModelType.FISHEYE624\"");
 }
 
-TEST_F(ReadCamera, TakesThoseOfOtherPrograms) {
+TEST_F(ReadCamera, ReadsThoseOfOtherPrograms) {
   Camera expected{500, 400, 320, 240};
   for (const char* numbers :
        {"500 0 320\n0 400 240\n0 0 1\n", "500, 400, 320, 240", "5e2;4e2;320;240"})
@@ -97,7 +97,7 @@ TEST_F(ReadCamera, TakesThoseOfOtherPrograms) {
       "coeffs": [0, 0, 0, 0, 0]})");
 }
 
-TEST_F(ReadCamera, TakesDistortionAsItsWritersNameIt) {
+TEST_F(ReadCamera, ReadsDistortionAsItsWritersNameIt) {
   const auto with = [](const std::string& more) {
     return R"({"fx": 500, "fy": 400, "cx": 320, "cy": 240, )" + more + "}";
   };

@@ -50,7 +50,7 @@ Eigen::Vector3f normal_of(const Cloud& cloud, std::size_t t) {
   return (cloud.points[cloud.triangles.b[t]] - a).cross(cloud.points[cloud.triangles.c[t]] - a);
 }
 
-TEST_F(ReadGltf, TakesTrianglesStripsAndFansWithIndicesOfEveryType) {
+TEST_F(ReadGltf, ReadsTrianglesStripsAndFansWithIndicesOfEveryType) {
   struct Drawn {
     int mode;
     std::vector<int> indices;
@@ -249,7 +249,7 @@ TEST_F(ReadGltf, ChecksEveryIndexAndRangeBeforeItReads) {
   EXPECT_TRUE(is_refused(read(square(), kBuffer, {.max_points = 3}), "limit"));
 }
 
-TEST_F(ReadGltf, RefusesContainersThatAreNotWhole) {
+TEST_F(ReadGltf, RefusesIncompleteContainers) {
   const std::string bytes = test::glb_file(square().dump(), kBuffer);
   const auto read_bytes = [&](const std::string& changed) {
     return read_cloud(folder_.write("a.glb", changed));

@@ -44,7 +44,7 @@ TEST_F(ReadGzip, GivesWhatTheFileHoldsWhateverItsName) {
   }
 }
 
-TEST_F(ReadGzip, TellsTheFormatByContentWhereTheNameDoesNot) {
+TEST_F(ReadGzip, DetectsTheFormatByContentWhereTheNameDoesNot) {
   for (const char* known : {"ascii.ply", "binary.stl", "ascii.pcd", "depth.png"}) {
     for (const test::SampleFile& file : test::sample_files()) {
       if (file.name != known) continue;

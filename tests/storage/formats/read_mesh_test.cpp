@@ -82,7 +82,7 @@ TEST_F(ReadMesh, GivesConcavePolygonsTheirAreaFromEveryFormat) {
   }
 }
 
-TEST_F(ReadMesh, ObjTakesEveryFormOfCorner) {
+TEST_F(ReadMesh, ObjReadsEveryFormOfCorner) {
   const auto cloud =
       read("a.obj",
            "o part\r\nv 0 0 0 1.0\r\nv 1 0 0 0.5 0.5 0.5\r\nvt 0 0\r\nv 1 1 0\r\nv 0 1 0\r\n"
@@ -97,7 +97,7 @@ TEST_F(ReadMesh, ObjTakesEveryFormOfCorner) {
       << "normals of other indices than their vertices are not used";
 }
 
-TEST_F(ReadMesh, ObjTakesVerticesBehindTheirFaces) {
+TEST_F(ReadMesh, ObjReadsVerticesBehindTheirFaces) {
   const auto cloud = read("a.obj", "f 1 2 3\nv 0 0 0\nv 1 0 0\nv 1 1 0\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->triangles.size(), 1U);
@@ -149,7 +149,7 @@ TEST_F(ReadMesh, ObjLeavesOutWhatIsNoSurfaceAndRefusesWhatItCannotRead) {
                          "line 4: expected three numbers, found the end of the line"));
 }
 
-TEST_F(ReadMesh, TakesTextWithCarriageReturnsAlone) {
+TEST_F(ReadMesh, ReadsTextWithCarriageReturnsAlone) {
   for (const auto& file : test::sample_files()) {
     if (file.name != "quad.obj" && file.name != "text.stl" && file.name != "normals.off") continue;
     SCOPED_TRACE(file.name);
@@ -196,7 +196,7 @@ TEST_F(ReadMesh, StlRefusesSizesThatLie) {
                          "line 2: expected three numbers"));
 }
 
-TEST_F(ReadMesh, StlTellsAnnouncedAndActualBytes) {
+TEST_F(ReadMesh, StlReportsAnnouncedAndActualBytes) {
   const std::string preamble(80, ' ');
   const auto file = [&](std::uint32_t announced, std::size_t bytes) {
     return preamble + little(announced) + std::string(bytes, '\0');
@@ -210,7 +210,7 @@ TEST_F(ReadMesh, StlTellsAnnouncedAndActualBytes) {
                          "line 3: expected three numbers, found the end of the line"));
 }
 
-TEST_F(ReadMesh, StlTakesWhatWritersMakeOfTheFormat) {
+TEST_F(ReadMesh, StlReadsWhatWritersMakeOfTheFormat) {
   const std::string corners = "vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
   const std::string capitals =
       "SOLID A\n FACET NORMAL 0 0 1\n  OUTER LOOP\n   VERTEX 0 0 0\n   VERTEX 1 0 0\n"
@@ -235,7 +235,7 @@ TEST_F(ReadMesh, StlTakesWhatWritersMakeOfTheFormat) {
   EXPECT_TRUE(is_refused(read("a.stl", "solid\nfacet\nvertex 0 0 0 1\n"), "line 3"));
 }
 
-TEST_F(ReadMesh, OffTakesNumbersOnAnyLines) {
+TEST_F(ReadMesh, OffReadsNumbersOnAnyLines) {
   const std::string square = "0 0 0 1 0 0\n1 1 0 0 1 0\n";
   const std::vector<std::string> files{
       "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3\n0 1\n2 255 0 0\n3 0 2\n3\n",
@@ -258,7 +258,7 @@ TEST_F(ReadMesh, OffTakesNumbersOnAnyLines) {
   }
 }
 
-TEST_F(ReadMesh, OffTakesTheBinaryForm) {
+TEST_F(ReadMesh, OffReadsTheBinaryForm) {
   const auto integers = [](std::initializer_list<std::int32_t> values) {
     std::string bytes;
     for (const std::int32_t value : values) bytes += big(value);
@@ -293,7 +293,7 @@ TEST_F(ReadMesh, OffTakesTheBinaryForm) {
       is_refused(read("a.off", outside), "byte 75: expected the index of a vertex below 4"));
 }
 
-TEST_F(ReadMesh, OffTakesColorsCommentsAndGluedCounts) {
+TEST_F(ReadMesh, OffReadsColorsCommentsAndGluedCounts) {
   const std::string body =
       "0 0 0 255 0 0\n1 0 0 0.5\n\n1 1 0 # corner\n0 1 0\n4 0 1 2 3 10 20 30\n2 0 1\n";
   for (const std::string header :

@@ -43,7 +43,7 @@ std::string with_header(const std::string& header, const std::string& body) {
   return file;
 }
 
-TEST_F(ReadNpy, TakesPointsOfEveryTypeByteOrderAndVersion) {
+TEST_F(ReadNpy, ReadsPointsOfEveryTypeByteOrderAndVersion) {
   struct Typed {
     std::string name;
     std::string (*counted)(int, bool);
@@ -71,7 +71,7 @@ TEST_F(ReadNpy, TakesPointsOfEveryTypeByteOrderAndVersion) {
   EXPECT_TRUE(read(npy_file("|u1", "(4, 3)", counted<std::uint8_t>(12, false))));
 }
 
-TEST_F(ReadNpy, TakesNormalsOfUnitLengthAndRefusesColors) {
+TEST_F(ReadNpy, ReadsNormalsOfUnitLengthAndRefusesColors) {
   const auto cloud = read(npy_file(
       "<f4", "(2, 6)", little({1.F, 2.F, 3.F, 0.F, 0.6F, -0.8F, 4.F, 5.F, 6.F, 0.F, 0.F, 0.F})));
   ASSERT_TRUE(cloud) << cloud.error().message;
@@ -81,7 +81,7 @@ TEST_F(ReadNpy, TakesNormalsOfUnitLengthAndRefusesColors) {
   EXPECT_TRUE(is_refused(read(npy_file("<f4", "(2, 6)", counted<float>(12, false))), "row 0"));
 }
 
-TEST_F(ReadNpy, TakesTheOrderOfFortran) {
+TEST_F(ReadNpy, ReadsTheOrderOfFortran) {
   // a[i, j] = 3 i + j, with i running fastest.
   std::string columns;
   for (int j = 0; j < 3; ++j)
@@ -151,7 +151,7 @@ TEST_F(ReadNpy, ReadsDepthsAsItDoesThoseOfAPng) {
       read(npy_file(">u2", "(16, 20)", u2), {.camera = kCamera, .max_pixels = 319}), "16"));
 }
 
-TEST_F(ReadNpy, TakesNegativeDepthsForNoneUnlessThereAreNoOthers) {
+TEST_F(ReadNpy, TreatsNegativeDepthsAsNoneUnlessThereAreNoOthers) {
   std::string some, all;
   for (int i = 0; i < 256; ++i) {
     some += little(i < 100 ? -1.F : 500.F);
@@ -163,7 +163,7 @@ TEST_F(ReadNpy, TakesNegativeDepthsForNoneUnlessThereAreNoOthers) {
   EXPECT_TRUE(is_refused(read(npy_file("<f4", "(16, 16)", all)), "negate"));
 }
 
-TEST_F(ReadNpy, TakesWhatOtherWritersPut) {
+TEST_F(ReadNpy, ReadsWhatOtherWritersPut) {
   const std::string body = counted<float>(12, false);
   for (const std::string header :
        {"{\"descr\":\"<f4\",\"fortran_order\":False,\"shape\":(4,3)}",

@@ -48,7 +48,7 @@ TEST_F(ReadPcd, GivesTheSameOrganizedCloudInEveryEncoding) {
   }
 }
 
-TEST_F(ReadPcd, TakesAnyFieldOrderTypeAndCount) {
+TEST_F(ReadPcd, ReadsAnyFieldOrderTypeAndCount) {
   const std::string header =
       "# comment\r\nVERSION 0.7\r\nFIELDS label z _ y hist x\r\nSIZE 1 8 4 2 4 4\r\nTYPE U F F I F "
       "U\r\n"
@@ -63,7 +63,7 @@ TEST_F(ReadPcd, TakesAnyFieldOrderTypeAndCount) {
   EXPECT_FALSE(binary->grid);
 }
 
-TEST_F(ReadPcd, TakesAZeroViewpointOnlyFromAnOrganizedCloud) {
+TEST_F(ReadPcd, AcceptsAZeroViewpointOnlyFromAnOrganizedCloud) {
   const std::string row = "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n0 0 1\n1 0 1\n";
   const auto plain = read(kFields + "WIDTH 2\nHEIGHT 1\n" + row),
              organized = read(kFields + "WIDTH 2\nHEIGHT 2\n" + row + "0 1 1\n1 1 1\n");
@@ -75,7 +75,7 @@ TEST_F(ReadPcd, TakesAZeroViewpointOnlyFromAnOrganizedCloud) {
   EXPECT_EQ(placed->viewpoint, Vector(1, 2, 3));
 }
 
-TEST_F(ReadPcd, TakesOneColumnOfPixelsForNoGrid) {
+TEST_F(ReadPcd, TreatsOneColumnOfPixelsAsNoGrid) {
   const std::string rows = "VIEWPOINT 0 0 0 1 0 0 0\nDATA ascii\n0 0 1\n1 0 1\n";
   for (const char* size : {"WIDTH 1\nHEIGHT 2\n", "WIDTH 2\nHEIGHT 1\n"}) {
     const auto cloud = read(kFields + size + rows);
@@ -85,14 +85,14 @@ TEST_F(ReadPcd, TakesOneColumnOfPixelsForNoGrid) {
   }
 }
 
-TEST_F(ReadPcd, TakesTheOldNameOfFieldsAndCapitals) {
+TEST_F(ReadPcd, ReadsTheOldNameOfFieldsAndCapitals) {
   const auto cloud =
       read("COLUMNS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1\nDATA ASCII\n1 2 3\n");
   ASSERT_TRUE(cloud) << cloud.error().message;
   EXPECT_EQ(cloud->points[0], Vector(1, 2, 3));
 }
 
-TEST_F(ReadPcd, TakesOnePointALineInText) {
+TEST_F(ReadPcd, ReadsOnePointALineInText) {
   const std::string header = kFields + "WIDTH 2\nHEIGHT 1\nDATA ascii\n";
   EXPECT_TRUE(is_refused(read(header + "0 0 1 9\n1 0 1 9\n"),
                          "line 9: expected the end of the line behind the 3 numbers of point 0"));

@@ -41,7 +41,7 @@ TEST_F(ReadPly, GivesTheSameCloudInEveryEncoding) {
   }
 }
 
-TEST_F(ReadPly, TakesAnyPropertyOrderAndTypeAndUnknownProperties) {
+TEST_F(ReadPly, ReadsAnyPropertyOrderAndTypeAndUnknownProperties) {
   const auto cloud = read(
       "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar red\nproperty double "
       "z\n"
@@ -57,7 +57,7 @@ TEST_F(ReadPly, TakesAnyPropertyOrderAndTypeAndUnknownProperties) {
   EXPECT_EQ(cloud->normals[0], Vector(0.5F, -1, 3));
 }
 
-TEST_F(ReadPly, TakesWindowsLineEndsCommentsAndForeignElements) {
+TEST_F(ReadPly, ReadsWindowsLineEndsCommentsAndForeignElements) {
   const auto cloud = read(
       "ply\r\ncomment format binary\r\nformat ascii 1.0\r\nobj_info anything at all\r\nelement "
       "material 2\r\n"
@@ -131,7 +131,7 @@ TEST_F(ReadPly, DropsPointsThatAreNotFiniteWithTheirTrianglesAndPixels) {
   EXPECT_EQ(cloud->grid->point_index, (Column<std::int32_t>{0, -1, 1, 2}));
 }
 
-TEST_F(ReadPly, TakesTheViewpointOfACameraElementUnlessItIsZero) {
+TEST_F(ReadPly, ReadsTheViewpointOfACameraElementUnlessItIsZero) {
   const std::string header = "ply\nformat ascii 1.0\nelement vertex 1\n" + kXyz +
                              "element camera 1\nproperty float view_px\nproperty float view_py\n"
                              "property float view_pz\nproperty int viewportx\nend_header\n1 2 3\n";
@@ -154,7 +154,7 @@ TEST_F(ReadPly, NamesTheLineAndTheWordThatIsWrong) {
   EXPECT_TRUE(is_refused(read("PLY\n"), "begins with \"ply\""));
 }
 
-TEST_F(ReadPly, TakesOneRowALineInText) {
+TEST_F(ReadPly, ReadsOneRowALineInText) {
   const std::string header = "ply\nformat ascii 1.0\nelement vertex 3\n" + kXyz;
   const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
   EXPECT_TRUE(is_refused(read(header + "end_header\n0 0 0 9\n1 0 0 9\n0 1 0 9\n"),
@@ -169,7 +169,7 @@ TEST_F(ReadPly, TakesOneRowALineInText) {
   EXPECT_TRUE(read(header + faces + "\n0 0 0 \n\n1 0 0\r\n0 1 0\n3 0 1 2\n \n"));
 }
 
-TEST_F(ReadPly, TakesFacesUnderAnyNameThatWritersGiveTheirCorners) {
+TEST_F(ReadPly, ReadsFacesUnderAnyNameThatWritersGiveTheirCorners) {
   const auto named = [&](const std::string& name) {
     return read("ply\nformat ascii 1.0\nelement vertex 3\n" + kXyz + "element face 1\n" +
                 "property uchar red\nproperty list uchar int " + name +
@@ -184,7 +184,7 @@ TEST_F(ReadPly, TakesFacesUnderAnyNameThatWritersGiveTheirCorners) {
       is_refused(named("corners"), "in the element \"face\", found \"red\", list \"corners\""));
 }
 
-TEST_F(ReadPly, TakesFacesBeforeTheirVertices) {
+TEST_F(ReadPly, ReadsFacesBeforeTheirVertices) {
   const std::string faces = "element face 1\nproperty list uchar int vertex_indices\n";
   const std::string ascii = "ply\nformat ascii 1.0\n" + faces + "element vertex 3\n" + kXyz;
   const auto text = read(ascii + "end_header\n3 0 1 2\n0 0 0\n1 0 0\n0 1 0\n");
@@ -207,7 +207,7 @@ TEST_F(ReadPly, NamesTheByteThatIsWrong) {
   EXPECT_TRUE(is_refused(read(bytes), "byte " + std::to_string(bytes.size()) + ": \"face\" 0"));
 }
 
-TEST_F(ReadPly, TakesARowOfPixelsForNoGrid) {
+TEST_F(ReadPly, TreatsARowOfPixelsAsNoGrid) {
   const auto cloud = read(
       "ply\nformat ascii 1.0\nobj_info num_cols 1\nobj_info num_rows 2\n"
       "element vertex 2\n" +

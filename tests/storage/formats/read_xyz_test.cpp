@@ -18,7 +18,7 @@ class ReadXyz : public testing::Test {
   test::TempDir folder_;
 };
 
-TEST_F(ReadXyz, TakesEverySeparatorCommentsAndAHeaderLine) {
+TEST_F(ReadXyz, ReadsEverySeparatorCommentsAndAHeaderLine) {
   for (const std::string text :
        {"1 2 3\n4 5 6\n", "1,2,3\r\n4, 5, 6", "1;2;3\n\n4;5;6 # last\n",
         "1 2\t3\n\n4\t5 6\t# last\n", "# by hand\nX Y Z\n1 2 3\n4 5 6\n", "2\n1 2 3\n4 5 6\n",
@@ -32,7 +32,7 @@ TEST_F(ReadXyz, TakesEverySeparatorCommentsAndAHeaderLine) {
   }
 }
 
-TEST_F(ReadXyz, TakesSixColumnsAsNormalsUnlessTheyAreColors) {
+TEST_F(ReadXyz, ReadsSixColumnsAsNormalsUnlessTheyAreColors) {
   const auto normals = read("0 0 0 0 0.6 0.8 99\n1 0 0 0 0 0 99\n"),
              colors = read("0 0 0 255 0 0\n1 0 0 0 1 0\n");
   ASSERT_TRUE(normals && colors);
@@ -50,7 +50,7 @@ TEST_F(ReadXyz, NamesTheLineThatIsWrong) {
   EXPECT_TRUE(is_refused(read("# nothing\n"), "at least one point"));
 }
 
-TEST_F(ReadXyz, TakesAByteOrderMarkForOneAtTheBeginningOnly) {
+TEST_F(ReadXyz, TreatsAByteOrderMarkAsOneAtTheBeginningOnly) {
   EXPECT_EQ(read("\xEF\xBB\xBF"
                  "1 2 3\n4 5 6\n")
                 ->points.size(),
@@ -59,7 +59,7 @@ TEST_F(ReadXyz, TakesAByteOrderMarkForOneAtTheBeginningOnly) {
   EXPECT_FALSE(read("1 2 3\n\xEF\xBB\xBF \n"));
 }
 
-TEST_F(ReadXyz, TellsDecimalCommasFromThoseBetweenColumns) {
+TEST_F(ReadXyz, DistinguishesDecimalCommasFromThoseBetweenColumns) {
   for (const std::string text :
        {"1,5 2,25 -3,125\n4 5,5 6\n", "1,5;2,25;-3,125\n4;5,5;6\n",
         "1,5\t2,25\t-3,125\n4\t5,5\t6\n", "1.5,2.25,-3.125\n4,5.5,6\n",
@@ -89,7 +89,7 @@ TEST_F(ReadXyz, RefusesRowsThatReadInMoreThanOneWay) {
   EXPECT_EQ(empty->points.size(), 3U) << "other columns may be empty";
 }
 
-TEST_F(ReadXyz, TakesColorsOfZeroAndOneForNoNormals) {
+TEST_F(ReadXyz, TreatsColorsOfZeroAndOneAsNoNormals) {
   const auto colors = read("0 0 0 1 0 0\n1 0 0 0 1 0\n0 1 0 0 0 1\n1 1 0 0 0 0\n");
   const auto box = read("0 0 0 1 0 0\n1 0 0 0 -1 0\n0 1 0 0 0 1\n");
   const auto named = read("x y z nx ny nz\n0 0 0 1 0 0\n1 0 0 0 1 0\n");
@@ -110,7 +110,7 @@ TEST_F(ReadXyz, TakesColorsOfZeroAndOneForNoNormals) {
   EXPECT_TRUE(mottled->normals.empty());
 }
 
-TEST_F(ReadXyz, TakesColumnsByTheirNames) {
+TEST_F(ReadXyz, ReadsColumnsByTheirNames) {
   for (const std::string text : {"id,X,Y,Z,nx,ny,nz\n7,1,2,3,0,0,1\n8,4,5,6,0,0,1\n",
                                  "\"name\";\"Z [m]\";\"Y [m]\";\"X [m]\";\"NZ\";\"NY\";\"NX\"\na "
                                  "b;3;2;1;1;0;0\nc;6;5;4;1;0;0\n",

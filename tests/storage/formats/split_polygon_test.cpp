@@ -208,7 +208,7 @@ TEST(SplitPolygon, CoversEveryOutlineExactlyFromAnyCornerAndSide) {
   }
 }
 
-TEST(SplitPolygon, CoversOutlinesOfWholeNumbersWithoutRounding) {
+TEST(SplitPolygon, CoversOutlinesOfIntegersWithoutRounding) {
   test::Random random;
   for (int i = 0; i < 200; ++i) {
     const Outline2d outline = shifted(skyline(random, 2 + i % 40), static_cast<std::size_t>(i));
@@ -279,7 +279,7 @@ TEST(SplitPolygon, GivesTrianglesForOutlinesWithoutAnInside) {
   for (const Points& polygon : polygons) EXPECT_TRUE(is_bounded_by_outline(split(polygon)));
 }
 
-TEST(SplitPolygon, TakesNoMoreStepsThanTheSquareOfTheCorners) {
+TEST(SplitPolygon, NeedsNoMoreStepsThanTheSquareOfTheCorners) {
   test::Random random;
   for (const Outline2d& outline : {test::gear_outline(500), spiral(1000), star(random, 2000),
                                    skyline(random, 1000), plate_with_row_of_holes(40, 50)}) {
@@ -319,7 +319,7 @@ Outline2d zigzag_ring(int corners) {
 }
 
 // Doubling the size multiplies the steps by about 2^1.5 = 2.83; quadratic growth would give 4.
-TEST(SplitPolygon, TakesFarFewerStepsThanTheSquareForOutlinesOfParts) {
+TEST(SplitPolygon, NeedsFarFewerStepsThanTheSquareForOutlinesOfParts) {
   for (const auto& outline :
        {std::function<Outline2d(int)>(zigzag_ring),
         std::function<Outline2d(int)>([](int n) { return spiral(n / 2); }),

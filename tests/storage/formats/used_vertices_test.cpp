@@ -153,7 +153,7 @@ TEST(UsedVertices, AreAllPointsWhereNoFaceHasAnArea) {
   EXPECT_EQ(cloud->num_without_area, 3U);
 }
 
-TEST(UsedVertices, HaveAnAreaBesideThatFloatsTell) {
+TEST(UsedVertices, HaveAnAreaIfFloatsDistinguishItFromZero) {
   Points vertices;
   for (const Eigen::Vector3f& p :
        {Eigen::Vector3f(0, 0, 0), Eigen::Vector3f(1, 0, 0), Eigen::Vector3f(0.5F, 1e-4F, 0),

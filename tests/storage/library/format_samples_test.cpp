@@ -21,7 +21,7 @@ std::vector<fs::path> samples() {
   return files;
 }
 
-TEST(FormatSamples, AreReadWhole) {
+TEST(FormatSamples, AreReadCompletely) {
   ASSERT_FALSE(samples().empty());
   for (const fs::path& file : samples()) {
     const auto library = verify_library(file);

@@ -44,7 +44,7 @@ class LibraryChangedTest : public test::LibraryTest {
   std::string bytes_;
 };
 
-TEST_F(LibraryChangedTest, StaysWhereAnotherTakesItsName) {
+TEST_F(LibraryChangedTest, StaysWhereAnotherGetsItsName) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library);
   ASSERT_TRUE(library->check(0, ModelPart::samples));
@@ -61,7 +61,7 @@ TEST_F(LibraryChangedTest, StaysWhereAnotherTakesItsName) {
   EXPECT_FALSE(next->is_changed());
 }
 
-TEST_F(LibraryChangedTest, IsToldByNameAndStaysChanged) {
+TEST_F(LibraryChangedTest, IsReportedByNameAndStaysChanged) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library && library->check_all());
   overwrite(bytes_);  // same bytes, but a reader may have seen others in between
@@ -80,7 +80,7 @@ TEST_F(LibraryChangedTest, IsNoFaultOfTheProcessWhenItIsCutOff) {
   expect_changed(*library, file());
 }
 
-TEST_F(LibraryChangedTest, IsSeenToHaveOtherBytesThoughItsTimeWasSetBack) {
+TEST_F(LibraryChangedTest, IsFoundChangedThoughItsTimeWasSetBack) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library && library->check_all());
   const auto written = fs::last_write_time(file());

@@ -83,7 +83,7 @@ TEST_F(LibraryContents, AreNoLibrary) {
   EXPECT_FALSE(open_contents(contents(0))) << "the models are not where they were";
 }
 
-TEST_F(LibraryContents, ShowDamageOfTheFileThatTheyTellOf) {
+TEST_F(LibraryContents, ShowDamageOfTheFileThatTheyDescribe) {
   writer_.reset();
   std::string bytes = test::read_bytes(unfinished());
   const Library first = *open_contents(contents(0));
@@ -120,7 +120,7 @@ int tell_of_the_first(const fs::path& folder, const TriSpinBasis& basis, rlim_t 
   return writer->write_contents(folder / "contents-full") ? 0 : 4;
 }
 
-TEST_F(LibraryContents, TellOfTheModelsBeforeTheDiskWasFull) {
+TEST_F(LibraryContents, ListTheModelsWrittenBeforeTheDiskWasFull) {
   const Model large = random_model(
       "large", 3, {.num_entries = 50000, .num_distance_bins = 20, .num_angle_bins = 10});
   const pid_t child = ::fork();
@@ -138,7 +138,7 @@ TEST_F(LibraryContents, TellOfTheModelsBeforeTheDiskWasFull) {
   EXPECT_EQ(difference(kept->models[0], models_[0]), "");
 }
 
-TEST_F(LibraryContents, TellWhereAFileIsInTheWay) {
+TEST_F(LibraryContents, ReportAFileInTheWay) {
   const auto again = LibraryWriter::create_lasting(file(), unfinished(), header_);
   ASSERT_FALSE(again);
   EXPECT_EQ(again.error().code, ErrorCode::cannot_create);

@@ -191,7 +191,7 @@ TEST_F(LibraryDamageTest, FindsADirectoryThatSaysSomethingElseThanTheGroups) {
   expect_refused("@checksum");
 }
 
-TEST_F(LibraryDamageTest, ReadsAFileThatWasStoredAnewByItsGroups) {
+TEST_F(LibraryDamageTest, ReadsARewrittenFileByItsGroups) {
   const Model& model = models_[0];
   edit_library(file(), [&](hid_t root) {  // a directory whose stated address is wrong
     const std::uint64_t offset = 8;
@@ -430,7 +430,7 @@ TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
   });
 }
 
-TEST_F(LibraryDamageTest, RefusesChangedNamesAndAttributesByTheChecksumOfTheWhole) {
+TEST_F(LibraryDamageTest, RefusesChangedNamesAndAttributesByTheChecksumOfTheFile) {
   const auto whole = read_bytes(file());
   edit_library(file(), [](hid_t root) {
     ASSERT_GE(H5Lmove(root, "models/a", root, "models/c", H5P_DEFAULT, H5P_DEFAULT), 0);

@@ -80,7 +80,7 @@ TEST_F(LibraryIndex, HoldsWhatWasGivenInPieces) {
   }
 }
 
-TEST_F(LibraryIndex, TakesAtLeastAFeatureAtATime) {
+TEST_F(LibraryIndex, WritesAtLeastAFeatureAtATime) {
   ASSERT_TRUE(add(5, 2, 0));
   ASSERT_TRUE(writer_.publish());
   EXPECT_EQ(pieces_, std::vector<std::size_t>(5, 1));

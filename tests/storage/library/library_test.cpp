@@ -45,7 +45,7 @@ std::size_t num_files(const fs::path& folder) {
       std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
-TEST_F(LibraryTest, GivesBackWhatWasWritten) {
+TEST_F(LibraryTest, ReadsBackWhatWasWritten) {
   const std::vector<Model> models{random_model("zebra", 1), random_model("Ant-1.5_b", 2)};
   write(file(), models);
   const auto library = open_library(file());
@@ -402,7 +402,7 @@ TEST_F(LibraryTest, SaysSoWhenTheDiskIsFullAndExitsWithoutACrash) {
   }
 }
 
-TEST_F(LibraryTest, OfOthersIsTakenInOnlyWithParametersInJson) {
+TEST_F(LibraryTest, OfOtherProgramsIsImportedOnlyWithParametersInJson) {
   for (const auto& [parameters, good] : {std::pair{"{\"step\": 2}", true}, {"step 2", false}}) {
     auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "another program", parameters});
     ASSERT_TRUE(writer) << writer.error().message;
