@@ -166,12 +166,12 @@ class Case {
     }
 
     for (const TruthInstance& truth : scene.truth) {
-      json told{{"model", truth.model},
-                {"pose", rows_of(truth.T_scene_model)},
-                {"ignore", truth.ignore},
-                {"visible_fraction", nullptr}};
-      if (truth.visible_fraction) told["visible_fraction"] = *truth.visible_fraction;
-      entry["truth"].push_back(told);
+      json instance{{"model", truth.model},
+                    {"pose", rows_of(truth.T_scene_model)},
+                    {"ignore", truth.ignore},
+                    {"visible_fraction", nullptr}};
+      if (truth.visible_fraction) instance["visible_fraction"] = *truth.visible_fraction;
+      entry["truth"].push_back(instance);
     }
     if (index == 3) {
       results.emplace_back();

@@ -6,7 +6,7 @@
 
 namespace {
 
-[[gnu::constructor]] void take() {
+[[gnu::constructor]] void set_locale() {
   const char* const name = std::getenv("OTHER_LOCALE");
   if (name != nullptr && std::setlocale(LC_ALL, name) != nullptr) return;
   std::fputs("OTHER_LOCALE names no locale\n", stderr);

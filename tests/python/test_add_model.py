@@ -20,7 +20,7 @@ def pose(tmp_path_factory) -> np.ndarray:
     return add_model.write_scan(str(scan), add_model.bracket())
 
 
-def test_trivet_takes_it_in_and_finds_it(trivet, outside, pose, tmp_path):
+def test_trivet_imports_and_finds_it(trivet, outside, pose, tmp_path):
     imported = tmp_path / "imported.h5"
     trivet("library", "import", outside, "-o", imported)
     trivet("library", "verify", imported)

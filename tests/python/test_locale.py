@@ -63,7 +63,7 @@ def without_times(thing):
     return [without_times(one) for one in thing] if isinstance(thing, list) else thing
 
 
-def told(output):
+def comparable(output):
     """The values of JSON; of text, which contains times everywhere, the form of its numbers."""
     text = output.decode()
     if text.startswith("{"):
@@ -79,13 +79,13 @@ def run_all(folder, locales, name, commands):
         done = subprocess.run([os.environ["TRIVET_PROGRAM"], "--quiet", *words.split()], cwd=folder,
                               env=environment(locales, name), capture_output=True, check=False)
         assert done.returncode == 0, (words, done.stderr.decode())
-        answers[words] = told(done.stdout), told(done.stderr)
+        answers[words] = comparable(done.stdout), comparable(done.stderr)
     for file in sorted(folder.rglob("*")):
         if not file.is_file():
             continue
         content = file.read_bytes()
-        is_told = file.suffix in (".json", ".html", ".csv", ".txt")
-        answers[str(file.relative_to(folder))] = told(content) if is_told else content
+        is_text = file.suffix in (".json", ".html", ".csv", ".txt")
+        answers[str(file.relative_to(folder))] = comparable(content) if is_text else content
     return answers
 
 

@@ -84,7 +84,7 @@ class TestPointCloud2:
         message = cloud_message(self.points)
         assert np.shares_memory(ros.points_of(message), np.frombuffer(message["data"], np.uint8))
 
-    def test_takes_lists_of_numbers(self):
+    def test_accepts_lists_of_numbers(self):
         message = cloud_message(self.points)
         message["data"] = list(message["data"])
         np.testing.assert_array_equal(ros.points_of(message), self.points)

@@ -45,7 +45,7 @@ def without_times(scene):
 
 
 class TestRecognize:
-    def test_gives_what_the_command_gives(self, tmp_path):
+    def test_agrees_with_the_command(self, tmp_path):
         """Every number is the same for a laser scan from points alone."""
         if not (DATA / "uwa").is_dir():
             pytest.fail("TRIVET_DATA: expected uwa") if DATA.is_dir() else pytest.skip("no data")
@@ -55,19 +55,19 @@ class TestRecognize:
         scan = DATA / "uwa" / manifest["scenes"][0]["file"]
         viewpoint = manifest["scenes"][0].get("viewpoint")
         where = [] if viewpoint is None else ["--viewpoint", *map(str, viewpoint)]
-        told = recognized_by_command(file, scan, *where)[0]
-        assert told["detections"]
+        expected = recognized_by_command(file, scan, *where)[0]
+        assert expected["detections"]
 
         library = trivet.Library(file)
         read = trivet.Scene.read(str(scan), viewpoint=viewpoint)
-        assert without_times(library.recognize(read).to_dict()) == without_times(told)
+        assert without_times(library.recognize(read).to_dict()) == without_times(expected)
 
         points = read.points + read.offset.astype(np.float32) if np.any(read.offset) else read.points
         found = library.recognize(points, viewpoint=viewpoint)
         assert [one["T_scene_model"] for one in found.to_dict()["detections"]] == [
-            one["T_scene_model"] for one in told["detections"]]
+            one["T_scene_model"] for one in expected["detections"]]
         assert [one["score"] for one in found.to_dict()["detections"]] == [
-            one["score"] for one in told["detections"]]
+            one["score"] for one in expected["detections"]]
 
     def test_finds_what_was_scanned(self, piles, library):
         num_found = 0
@@ -81,7 +81,7 @@ class TestRecognize:
                 assert near < 0.1 * library[detection.model].diameter
         assert num_found >= 3
 
-    def test_takes_arrays_of_any_layout(self, piles, library):
+    def test_accepts_arrays_of_any_layout(self, piles, library):
         scene = piles[0]
         once = library.recognize(scene.depth, camera=scene.camera, depth_scale=scene.depth_scale)
         expected = [one.pose.tolist() for one in once]
@@ -94,29 +94,29 @@ class TestRecognize:
             again = library.recognize(depth, camera=matrix, depth_scale=scene.depth_scale)
             assert [one.pose.tolist() for one in again] == expected
 
-    def test_takes_a_camera_as_its_file_says(self, piles, library, tmp_path):
+    def test_reads_a_camera_like_its_file(self, piles, library, tmp_path):
         scene = piles[0]
         fx, fy, cx, cy = scene.camera
-        told = {"fx": fx, "fy": fy, "cx": np.float32(cx), "cy": cy, "depth_scale": scene.depth_scale,
-                "width": scene.depth.shape[1], "height": scene.depth.shape[0]}
+        fields = {"fx": fx, "fy": fy, "cx": np.float32(cx), "cy": cy, "depth_scale": scene.depth_scale,
+                  "width": scene.depth.shape[1], "height": scene.depth.shape[0]}
         matrix = np.asfortranarray([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
         expected = library.recognize(scene.depth, camera=scene.camera, depth_scale=scene.depth_scale)
         file = tmp_path / "camera.json"
-        file.write_text(json.dumps({**told, "cx": cx}))
-        for camera in (told, file, str(file)):
+        file.write_text(json.dumps({**fields, "cx": cx}))
+        for camera in (fields, file, str(file)):
             assert poses_of(library.recognize(scene.depth, camera=camera)) == poses_of(expected)
         assert poses_of(library.recognize(scene.depth, camera=matrix,
                                           depth_scale=scene.depth_scale)) == poses_of(expected)
-        for wrong, words in (({**told, "width": 7}, "7 x"), (matrix.T, "transposed"),
-                             ({**told, "model": "kannala_brandt4"}, "kannala_brandt4"),
+        for wrong, words in (({**fields, "width": 7}, "7 x"), (matrix.T, "transposed"),
+                             ({**fields, "model": "kannala_brandt4"}, "kannala_brandt4"),
                              ((fx, fy, float("nan"), cy), "finite"), (3, "dictionary")):
             with pytest.raises(trivet.Error, match=words):
                 library.recognize(scene.depth, camera=wrong)
-        bent = trivet.Scene.from_depth(scene.depth, {**told, "distortion": [-0.2, 0, 0, 0, 0]})
-        straight = trivet.Scene.from_depth(scene.depth, told)
+        bent = trivet.Scene.from_depth(scene.depth, {**fields, "distortion": [-0.2, 0, 0, 0, 0]})
+        straight = trivet.Scene.from_depth(scene.depth, fields)
         assert not np.array_equal(bent.points, straight.points)
 
-    def test_takes_structured_arrays_by_their_names(self, piles, library):
+    def test_accepts_structured_arrays_by_their_names(self, piles, library):
         scene = piles[0]
         points = trivet.Scene.from_depth(scene.depth, scene.camera, depth_scale=scene.depth_scale).points
         fields = np.zeros(len(points), [("intensity", "f4"), ("x", "f4"), ("y", "f4"), ("z", "f4")])
@@ -217,7 +217,7 @@ class TestLibrary:
         assert library.unit == "m" and library.parameters["relative-step"] == pytest.approx(0.05)
         library.verify()
 
-    def test_gives_arrays_without_a_copy(self, library):
+    def test_returns_arrays_without_a_copy(self, library):
         model = library[library.names[0]]
         for array in (model.vertices, model.samples, model.pairs["offsets"],
                       model.features[0]["codes"]):
@@ -237,11 +237,11 @@ class TestLibrary:
 
 
 class TestTrain:
-    def test_takes_over_what_is_unchanged(self, piles, library):
+    def test_reuses_unchanged_models(self, piles, library):
         report = trivet.train(piles.models, library.file, preset="fast")
         assert report.unchanged and {one["origin"] for one in report.models} == {"kept"}
 
-    def test_takes_objects_that_hold_arrays(self, piles, tmp_path):
+    def test_accepts_objects_that_hold_arrays(self, piles, tmp_path):
         mesh = next(iter(piles.models.values()))
 
         class Trimesh:
@@ -255,11 +255,11 @@ class TestTrain:
         made = trivet.Library(tmp_path / "l.h5")
         assert len({made[name].fingerprint for name in made}) == 1
 
-    def test_tells_its_progress_and_what_it_raises(self, piles, tmp_path):
-        told = []
+    def test_reports_progress_and_raises_errors(self, piles, tmp_path):
+        reported = []
         trivet.train(piles.models, tmp_path / "a.h5", preset="fast",
-                     progress=lambda done, total, name: told.append((done, total)))
-        assert told[0] == (0, 3) and told[-1] == (3, 3)
+                     progress=lambda done, total, name: reported.append((done, total)))
+        assert reported[0] == (0, 3) and reported[-1] == (3, 3)
 
         def fail(done, total, name):
             raise RuntimeError("enough")
@@ -270,18 +270,18 @@ class TestTrain:
 
 
 class TestEvaluate:
-    def test_gives_what_the_command_gives(self, library, tmp_path):
+    def test_agrees_with_the_command(self, library, tmp_path):
         subprocess.run([PROGRAM, "scan", "--parts", "3", "--scenes", "2", "--instances", "3",
                         "--seed", "5", "-o", tmp_path / "scans"], check=True, capture_output=True)
         manifest = tmp_path / "scans" / "manifest.json"
-        told = []
-        found = trivet.evaluate(library, manifest, progress=lambda *one: told.append(one[:2]))
+        reported = []
+        found = trivet.evaluate(library, manifest, progress=lambda *one: reported.append(one[:2]))
         run = subprocess.run([PROGRAM, "evaluate", library.file, manifest, "--json", "-"],
                              check=True, capture_output=True)
         expected = json.loads(run.stdout)
         for key in ("instances", "right", "false_positives", "average_precision", "by_model"):
             assert found.document[key] == expected[key]
-        assert found.instances > 0 and told[-1] == (2, 2)
+        assert found.instances > 0 and reported[-1] == (2, 2)
 
 
 class TestMesh:

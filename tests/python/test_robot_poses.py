@@ -78,7 +78,7 @@ def test_is_the_pose_in_the_frame_of_the_robot(folder, convention):
         assert float(row["score"]) == pytest.approx(one["score"], abs=1e-6)
 
 
-def test_gives_a_row_for_each_grasp(folder):
+def test_writes_a_row_for_each_grasp(folder):
     model = detections(folder)[0]["model"]
     grasps = {"side": np.eye(4), "top": np.eye(4)}
     grasps["top"][:3, :3] = Rotation.from_euler("y", 90, degrees=True).as_matrix()

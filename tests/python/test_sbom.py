@@ -48,7 +48,7 @@ def test_names_what_is_linked_compiled_in_and_bundled(bill):
     assert not use_of(bill, "vite") and not use_of(bill, "libgtest-dev")
 
 
-def test_takes_versions_from_the_system_and_from_npm(bill):
+def test_reads_versions_from_the_system_and_from_npm(bill):
     version = subprocess.run(["dpkg-query", "--show", "--showformat=${Version}", "libfmt9"], check=True, capture_output=True, text=True)
     three = json.loads(LOCK_FILE.read_text())["packages"]["node_modules/three"]["version"]
     versions = {component["name"]: component["version"] for component in bill["components"]}

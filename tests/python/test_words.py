@@ -1,5 +1,5 @@
-"""Names and words of others: any bytes give valid answers, act on no terminal, and a slip of the pen is
-told with what was meant; a check of settings says what a start would; a full disk is called so."""
+"""Names and texts from outside: any bytes give valid answers and control no terminal, and a typing error is
+reported with a suggestion; a check of settings reports what a start would; a full disk is reported as such."""
 import http.client
 import json
 import os
@@ -38,7 +38,7 @@ def is_quiet(text):
                for c in text.decode("utf-8"))
 
 
-def test_results_of_names_that_are_no_utf8_are_whole(scans):
+def test_results_of_names_that_are_no_utf8_are_complete(scans):
     done = run("recognize", "l.h5", "scans", "--json", "-", "--report", "page", "--robot-csv", "p.csv",
                cwd=scans)
     assert done.returncode == 0, done.stderr
@@ -53,9 +53,9 @@ def test_results_of_names_that_are_no_utf8_are_whole(scans):
 
 
 def test_no_name_acts_on_a_terminal(scans):
-    told = run("recognize", "l.h5", "scans", cwd=scans)
-    assert told.returncode == 0 and is_quiet(told.stdout) and is_quiet(told.stderr)
-    assert rb"\u001B]0;owned\u0007\u001B[2J\u009B31m.ply" in told.stdout
+    done = run("recognize", "l.h5", "scans", cwd=scans)
+    assert done.returncode == 0 and is_quiet(done.stdout) and is_quiet(done.stderr)
+    assert rb"\u001B]0;owned\u0007\u001B[2J\u009B31m.ply" in done.stdout
     for words in (["recognize", "l.h5", EVIL + b".stl"], ["recognize", EVIL, "scans"],
                   [b"--" + EVIL], [EVIL], ["recognize", "l.h5", "scans", b"--min-score=" + EVIL],
                   ["library", "rename", "l.h5", EVIL, "x"]):
@@ -150,7 +150,7 @@ def test_a_check_of_settings_says_what_a_start_would(scans):
     assert everything.count(b"error: ") == 2, everything
 
 
-def test_a_full_disk_is_told_as_507(scans):
+def test_a_full_disk_is_reported_as_507(scans):
     scan = (scans / "scans/a.ply").read_bytes()
     with service("--allow-training", "parts", "--session", "cell", cwd=scans,
                  limit=len(scan) - 1) as address:
@@ -160,7 +160,7 @@ def test_a_full_disk_is_told_as_507(scans):
         assert ask(address, "GET", "/v1/models")[0] == 200
 
 
-def test_slips_of_the_pen_are_told_with_what_was_meant(scans):
+def test_typing_errors_are_reported_with_a_suggestion(scans):
     (scans / "serve.toml").write_text("prot = 8081\n")
     (scans / "study.toml").write_text("tilte = 'x'\n")
     (scans / "manifest.json").write_text('{"unit": "mm", "scens": []}')
@@ -175,7 +175,7 @@ def test_slips_of_the_pen_are_told_with_what_was_meant(scans):
         assert refused.returncode in (2, 65) and meant in refused.stderr.decode(), refused.stderr
 
 
-def test_python_takes_files_of_any_name(scans):
+def test_python_accepts_files_of_any_name(scans):
     trivet = pytest.importorskip("trivet")
     file = os.path.join(scans, "scans", os.fsdecode(LATIN))
     scene = trivet.Scene.read(file, unit="mm")

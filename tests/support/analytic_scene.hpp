@@ -83,14 +83,14 @@ inline Surface moved(const Surface& surface, const Pose& pose) {
 }
 
 /// A surface in the camera's frame, and the plane number of its pixels.
-struct Seen {
+struct PlacedSurface {
   Surface surface;
   std::uint8_t plane = 0;
 };
 
 /// Renders surfaces given in the camera's frame.
 inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
-                                  const std::vector<Seen>& surfaces) {
+                                  const std::vector<PlacedSurface>& surfaces) {
   kernels::RangeImage image;
   image.geometry = geometry;
   const std::size_t n = std::size_t{geometry.width} * geometry.height;
@@ -101,11 +101,11 @@ inline kernels::RangeImage render(const kernels::ImageGeometry& geometry,
   for (std::size_t pixel = 0; pixel < n; ++pixel) {
     const Eigen::Vector3d ray = geometry.back_project(pixel, 1).cast<double>();
     SurfaceHit nearest;
-    for (const Seen& seen : surfaces) {
-      const SurfaceHit hit = seen.surface(Eigen::Vector3d::Zero(), ray);
+    for (const PlacedSurface& entry : surfaces) {
+      const SurfaceHit hit = entry.surface(Eigen::Vector3d::Zero(), ray);
       if (hit.t >= nearest.t) continue;
       nearest = hit;
-      image.plane[pixel] = image.near_plane[pixel] = seen.plane;
+      image.plane[pixel] = image.near_plane[pixel] = entry.plane;
     }
     const bool measured = std::isfinite(nearest.t);
     const auto nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -188,12 +188,12 @@ inline Pose placed(const Eigen::Vector3f& place, const Eigen::Vector3f& rotation
 }
 
 /// A wall that faces the camera at this depth; plane number 1 if it is background.
-inline Seen wall(double depth, std::uint8_t plane = 0) {
+inline PlacedSurface wall(double depth, std::uint8_t plane = 0) {
   return {boundary({{Eigen::Vector3d(0, 0, -1), -depth}}), plane};
 }
 
 /// The left half of a wall: an occluder in front of an object.
-inline Seen left_half(double depth) {
+inline PlacedSurface left_half(double depth) {
   Solid half = box_of({10, 10, 0.01});
   half[0].offset = 0;
   return {moved(boundary(half), placed({0, 0, static_cast<float>(depth)}))};

@@ -33,7 +33,8 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
   struct Sight {
     double z, scale;  // scale 0: grazing
   };
-  const auto look = [&](const Pose& pose, const Eigen::Vector3f& ray) -> std::optional<Sight> {
+  const auto sight_along = [&](const Pose& pose,
+                               const Eigen::Vector3f& ray) -> std::optional<Sight> {
     const Pose inverse = pose.inverse();
     const kernels::Hit hit = surface.intersect(inverse.translation(), inverse.linear() * ray, 0,
                                                std::numeric_limits<float>::infinity());
@@ -81,7 +82,7 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
       for (int u = std::max(0, crop.u0); u < std::min(width, crop.u0 + crop.width); ++u) {
         const Eigen::Vector3f ray((static_cast<float>(u) - g.cx) / g.fx,
                                   (static_cast<float>(v) - g.cy) / g.fy, 1);
-        visit(look(first, ray), look(second, ray), u, v);
+        visit(sight_along(first, ray), sight_along(second, ray), u, v);
       }
     }
   };

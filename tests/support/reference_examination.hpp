@@ -167,9 +167,9 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
           farther += Eigen::Vector2d(di, dj);
       }
     }
-    const bool told =
+    const bool is_determined =
         across.norm() * farther.norm() > 0 && across.normalized().dot(farther.normalized()) > 0.985;
-    if (told) across.normalize();
+    if (is_determined) across.normalize();
     const int steps[4][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     for (const auto& [di, dj] : steps) {
       bool ends = true, free = false, agrees = false;
@@ -184,7 +184,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
       }
       for (int k = 0; k * stride <= blur; ++k)
         agrees = agrees || residuals.contains({i - k * di, j - k * dj});
-      if (!told || !free || !agrees) continue;
+      if (!is_determined || !free || !agrees) continue;
       // The plane through the camera that contains the outline.
       const Eigen::Vector3d ray(
           (u_middle + stride * i - static_cast<double>(g.cx)) / fx,

@@ -93,14 +93,14 @@ TEST_F(CompareCommand, PairsTheNearestPosesOfOneModel) {
   write("b.json",
         {scene("two.ply", 0.75, {detection("bolt", 0.8, at_)}),
          scene("one.ply", 0.125, {detection("nut", 0.97, near), detection("nut", 0.96, nearer)})});
-  const Json told = compared({"--max-translation", "0.01"});
-  EXPECT_EQ(told["total"]["both"], 1);
-  EXPECT_EQ(told["total"]["only_a"], 2);
-  EXPECT_EQ(told["total"]["only_b"], 2);
-  EXPECT_EQ(told["total"]["seconds_a"], 0.75);
-  EXPECT_EQ(told["total"]["seconds_b"], 0.875);
-  EXPECT_EQ(told["paired"], nullptr);
-  const Json& one = told["scenes"][0];
+  const Json report = compared({"--max-translation", "0.01"});
+  EXPECT_EQ(report["total"]["both"], 1);
+  EXPECT_EQ(report["total"]["only_a"], 2);
+  EXPECT_EQ(report["total"]["only_b"], 2);
+  EXPECT_EQ(report["total"]["seconds_a"], 0.75);
+  EXPECT_EQ(report["total"]["seconds_b"], 0.875);
+  EXPECT_EQ(report["paired"], nullptr);
+  const Json& one = report["scenes"][0];
   EXPECT_EQ(one["scene"], "one.ply");
   EXPECT_NEAR(one["both"][0]["score"].get<double>(), 0.99, 1e-6);
   EXPECT_NEAR(one["both"][0]["score_b"].get<double>(), 0.96, 1e-6);
@@ -143,18 +143,18 @@ TEST_F(CompareCommand, KnowsSizesAndSymmetriesByTheLibrary) {
 TEST_F(CompareCommand, TestsWithTruthWhetherADifferenceIsMoreThanChance) {
   write_evaluation("a.json", {{0, 1, 2, 3, 4}, {0, 1, 2, 3, 4}, {0, 1, 2}}, {0, 1, 0});
   write_evaluation("b.json", {{0, 1, 2}, {0, 1, 2}, {1, 2, 3}}, {0, 0, 2});
-  const Json told = compared({});
-  EXPECT_EQ(told["total"]["both"], 8);
-  EXPECT_EQ(told["total"]["only_a"], 5);
-  EXPECT_EQ(told["total"]["only_b"], 1);
-  EXPECT_EQ(told["total"]["neither"], 1);
-  EXPECT_EQ(told["total"]["false_a"], 1);
-  EXPECT_EQ(told["total"]["false_b"], 2);
-  EXPECT_NEAR(told["paired"]["difference"].get<double>(), 4.0 / 15, 1e-12);
+  const Json report = compared({});
+  EXPECT_EQ(report["total"]["both"], 8);
+  EXPECT_EQ(report["total"]["only_a"], 5);
+  EXPECT_EQ(report["total"]["only_b"], 1);
+  EXPECT_EQ(report["total"]["neither"], 1);
+  EXPECT_EQ(report["total"]["false_a"], 1);
+  EXPECT_EQ(report["total"]["false_b"], 2);
+  EXPECT_NEAR(report["paired"]["difference"].get<double>(), 4.0 / 15, 1e-12);
   // The chance that of six fair coins at most one falls on a side, for either side.
-  EXPECT_NEAR(told["paired"]["p"].get<double>(), 2 * (1 + 6) / 64.0, 1e-12);
-  EXPECT_LE(told["paired"]["difference_95_low"], told["paired"]["difference"]);
-  EXPECT_EQ(told["scenes"][2]["only_b"][0]["truth"], 3);
+  EXPECT_NEAR(report["paired"]["p"].get<double>(), 2 * (1 + 6) / 64.0, 1e-12);
+  EXPECT_LE(report["paired"]["difference_95_low"], report["paired"]["difference"]);
+  EXPECT_EQ(report["scenes"][2]["only_b"][0]["truth"], 3);
 }
 
 TEST_F(CompareCommand, SaysWhatCannotBeCompared) {

@@ -79,11 +79,11 @@ TEST_F(FarScan, HasItsPosesInItsOwnFrame) {
   EXPECT_LT((moved - kCamera).norm(), 1e-4) << "a float there has steps of 0.03 to 0.5 m";
   EXPECT_FALSE(near.contains("offset"));
   EXPECT_EQ(far.at("offset").size(), 3U);
-  const test::Outcome told =
+  const test::Outcome outcome =
       run({"recognize", "library.h5", "far.xyz", "--viewpoint", kViewpoint, "--report", "out"});
   const Vector3d at = place(far["detections"][0]);
   const std::string text = fmt::format("{:.5f}, {:.5f}", at.x(), at.y());
-  EXPECT_NE(told.out.find("at (" + text), std::string::npos) << told.out;
+  EXPECT_NE(outcome.out.find("at (" + text), std::string::npos) << outcome.out;
   EXPECT_NE(test::read_bytes(*folder_ / "out" / "index.html").find(text), std::string::npos);
 }
 

@@ -69,18 +69,18 @@ class InterruptedTraining : public testing::Test {
     }
     from_nothing_ = from_nothing;
   }
-  static void expect_whole(const std::string& told) {
+  static void expect_complete(const std::string& context) {
     if (from_nothing_ && !fs::exists(*folder_ / "library.h5")) return;
     const std::string now = bytes();
-    EXPECT_TRUE((now == before_ && !from_nothing_) || now == after_) << told;
+    EXPECT_TRUE((now == before_ && !from_nothing_) || now == after_) << context;
   }
-  static void expect_done_by_the_same_command(const std::string& told) {
+  static void expect_done_by_the_same_command(const std::string& context) {
     const test::Outcome resumed = train_all();
-    ASSERT_EQ(resumed.exit_code, 0) << told << resumed.error;
-    EXPECT_TRUE(bytes() == after_) << told;
+    ASSERT_EQ(resumed.exit_code, 0) << context << resumed.error;
+    EXPECT_TRUE(bytes() == after_) << context;
     for (const auto& entry : fs::directory_iterator(folder_->path())) {
       const std::string name = entry.path().filename().string();
-      EXPECT_TRUE(name.ends_with(".ply") || name == "library.h5") << told << name;
+      EXPECT_TRUE(name.ends_with(".ply") || name == "library.h5") << context << name;
     }
   }
 
@@ -101,9 +101,9 @@ TEST_F(InterruptedTraining, GoesOnAfterBeingKilledAtAnyMoment) {
       if (std::chrono::duration<double>(Clock::now() - start).count() >= at)
         ::kill(program, SIGKILL);
     });
-    const std::string told = "killed after " + std::to_string(at) + " s: ";
-    expect_whole(told);
-    if (k % 2 == 1) expect_done_by_the_same_command(told);
+    const std::string context = "killed after " + std::to_string(at) + " s: ";
+    expect_complete(context);
+    if (k % 2 == 1) expect_done_by_the_same_command(context);
   }
 }
 
@@ -137,12 +137,12 @@ TEST_F(InterruptedTraining, GoesOnWhenAFullDiskIsNotFullAnyMore) {
       const long from =
           k < kPlaces / 2 ? 1 + num_calls * k / (kPlaces / 2) : num_calls - (kPlaces - 1 - k);
       const test::Outcome failed = train_all({preload, "FAIL_FROM=" + std::to_string(from)});
-      const std::string told =
+      const std::string context =
           "call " + std::to_string(from) + " of " + std::to_string(num_calls) + ": " + failed.error;
-      EXPECT_TRUE(failed.exit_code == 74 || failed.exit_code == 73) << failed.exit_code << told;
-      EXPECT_NE(failed.error.find("error: "), std::string::npos) << told;
-      expect_whole(told);
-      expect_done_by_the_same_command(told);
+      EXPECT_TRUE(failed.exit_code == 74 || failed.exit_code == 73) << failed.exit_code << context;
+      EXPECT_NE(failed.error.find("error: "), std::string::npos) << context;
+      expect_complete(context);
+      expect_done_by_the_same_command(context);
     }
   }
 }

@@ -30,10 +30,10 @@ class LibraryChanges : public testing::Test {
     EXPECT_EQ(outcome.exit_code, 0) << testing::PrintToString(arguments) << outcome.error;
     return outcome.out;
   }
-  static void fails(const std::vector<std::string>& arguments, const std::string& told) {
+  static void fails(const std::vector<std::string>& arguments, const std::string& message) {
     const test::Outcome outcome = run(arguments);
     EXPECT_NE(outcome.exit_code, 0) << testing::PrintToString(arguments);
-    EXPECT_NE(outcome.error.find(told), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find(message), std::string::npos) << outcome.error;
     EXPECT_TRUE(bytes("library.h5") == bytes_);
   }
   static std::string bytes(const std::string& name) { return test::read_bytes(*folder_ / name); }

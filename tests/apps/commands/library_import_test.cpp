@@ -54,12 +54,12 @@ TEST_F(LibraryImport, GivesTheBytesThatWereRepacked) {
         {"-L", "-m", "1024", "-f", "GZIP=1", "-f", "FLET"},
         {"-L"},
         {"-l", "CONTI", "-f", "NONE"}}) {
-    const std::string told = testing::PrintToString(options);
+    const std::string description = testing::PrintToString(options);
     repack(options);
-    EXPECT_NE(bytes("repacked.h5"), bytes("library.h5")) << told;
+    EXPECT_NE(bytes("repacked.h5"), bytes("library.h5")) << description;
     const test::Outcome imported = import_repacked();
-    ASSERT_EQ(imported.exit_code, 0) << told << imported.error;
-    EXPECT_TRUE(bytes("imported.h5") == bytes("library.h5")) << told;
+    ASSERT_EQ(imported.exit_code, 0) << description << imported.error;
+    EXPECT_TRUE(bytes("imported.h5") == bytes("library.h5")) << description;
   }
 }
 
@@ -75,8 +75,8 @@ TEST_F(LibraryImport, IsWhatAnErrorOfOpeningAdvises) {
 
 TEST_F(LibraryImport, RefusesWhatIsDamagedAndSaysWhere) {
   repack({"-m", "1024", "-f", "GZIP=1"});
-  const std::string whole = bytes("repacked.h5");
-  folder_->write("repacked.h5", whole.substr(0, whole.size() / 2));
+  const std::string intact = bytes("repacked.h5");
+  folder_->write("repacked.h5", intact.substr(0, intact.size() / 2));
   EXPECT_EQ(import_repacked().exit_code, 65);
 
   repack({});  // HDF5 does not detect a change of contiguous data

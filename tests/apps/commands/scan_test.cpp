@@ -96,7 +96,7 @@ TEST_F(Scan, WritesOneTruthInTheManifestAndInBopsFiles) {
   EXPECT_EQ(json("out/models_eval/models_info.json"), objects);
   EXPECT_EQ(test::read_bytes(folder_ / "out/models_eval/obj_000002.ply"),
             test::read_bytes(folder_ / "out/models/obj_000002.ply"));
-  std::size_t num_seen = 0;
+  std::size_t num_visible = 0;
   ASSERT_EQ(manifest["scenes"].size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
     const nlohmann::json& scene = manifest["scenes"][i];
@@ -122,14 +122,14 @@ TEST_F(Scan, WritesOneTruthInTheManifestAndInBopsFiles) {
       EXPECT_GE(info[image][k]["visib_fract"].get<double>() + 0.01,
                 truth["visible_fraction"].get<double>());
       EXPECT_LE(info[image][k]["visib_fract"].get<double>(), 1);
-      num_seen += info[image][k]["px_count_visib"] > 0 ? 1 : 0;
+      num_visible += info[image][k]["px_count_visib"] > 0 ? 1 : 0;
       for (const char* folder : {"mask", "mask_visib"}) {
         EXPECT_TRUE(std::filesystem::exists(
             folder_ / fmt::format("out/test/000001/{}/{:06}_{:06}.png", folder, i, k)));
       }
     }
   }
-  EXPECT_EQ(json("out/test/000001/scene_gt_coco.json")["annotations"].size(), num_seen);
+  EXPECT_EQ(json("out/test/000001/scene_gt_coco.json")["annotations"].size(), num_visible);
 }
 
 }  // namespace

@@ -149,9 +149,9 @@ TEST_F(StandardOutput, ReportsProgressToPrograms) {
   EXPECT_EQ(done, 2U) << outcome.error;
   const test::Outcome trained =
       run("train bracket.ply -o told.h5 --preset fast --methods ppf --progress json --quiet");
-  std::istringstream told(trained.error);
+  std::istringstream progress_lines(trained.error);
   std::vector<std::string> stages;
-  for (std::string text; std::getline(told, text);) {
+  for (std::string text; std::getline(progress_lines, text);) {
     if (!text.starts_with("warning: ")) stages.push_back(nlohmann::json::parse(text).at("stage"));
   }
   // All models of a new library are written when the last one has been trained.

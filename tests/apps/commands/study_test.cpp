@@ -90,14 +90,14 @@ class Study : public testing::Test {
     std::ofstream(folder_ / name) << text;
   }
   /// Runs study.toml with kConfig to run_a, once for all tests.
-  void take_whole_run() const {
+  void copy_complete_run() const {
     static const test::TempDir folder;
-    static const test::Outcome whole = [] {
+    static const test::Outcome complete = [] {
       std::ofstream(folder / "study.toml") << kConfig;
       return test::run_trivet({"study", "study.toml", "-o", "run_a"},
                               {.folder = folder.path(), .environment = {}, .watch = {}});
     }();
-    ASSERT_EQ(whole.exit_code, 0) << whole.error;
+    ASSERT_EQ(complete.exit_code, 0) << complete.error;
     fs::copy(folder.path(), folder_.path(), fs::copy_options::recursive);
   }
   std::string read(const std::string& name) const {
@@ -139,7 +139,7 @@ class Study : public testing::Test {
 };
 
 TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
-  ASSERT_NO_FATAL_FAILURE(take_whole_run());
+  ASSERT_NO_FATAL_FAILURE(copy_complete_run());
 
   // Counts complete cells: a kill may leave a partial one beside them.
   const auto cells = [&] {
@@ -171,7 +171,7 @@ TEST_F(Study, EndsWithTheSameReportWhenItIsKilledOrRunOnOtherThreads) {
 }
 
 TEST_F(Study, ComputesNothingTwice) {
-  ASSERT_NO_FATAL_FAILURE(take_whole_run());
+  ASSERT_NO_FATAL_FAILURE(copy_complete_run());
   const std::string first = read("run_a/index.html");
   // Of 8 points on 2 scenes, four contain the default of ppf; that of trisi is not among the noise
   // points.
@@ -189,7 +189,7 @@ TEST_F(Study, ComputesNothingTwice) {
 }
 
 TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
-  ASSERT_NO_FATAL_FAILURE(take_whole_run());
+  ASSERT_NO_FATAL_FAILURE(copy_complete_run());
   const std::string csv = read("run_a/results.csv");
   const auto number = [&](const std::string& row, std::size_t column) {
     return std::stod(field(csv, row, column));

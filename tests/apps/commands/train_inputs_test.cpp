@@ -56,10 +56,10 @@ TEST_F(TrainInputs, ReportFilesOfAFolderThatAreLeftOut) {
   folder_.write("parts/hook.igs", "S");
   folder_.write("parts/notes.txt", "notes");
   folder_.write("parts/._Halter.ply", std::string("\0\x05\x16\x07", 4) + std::string(4092, '\0'));
-  const std::string told = train({"parts", "--quiet", "--json", "t.json"});
-  expect_says(told, "parts: left out, as nothing that can be read: clip.3mf, hook.igs");
-  expect_says(told, "folders in it are not searched: sub");
-  EXPECT_EQ(told.find("notes.txt"), std::string::npos) << told;
+  const std::string output = train({"parts", "--quiet", "--json", "t.json"});
+  expect_says(output, "parts: left out, as nothing that can be read: clip.3mf, hook.igs");
+  expect_says(output, "folders in it are not searched: sub");
+  EXPECT_EQ(output.find("notes.txt"), std::string::npos) << output;
   EXPECT_EQ(list(), "Halter\nMutter\n");
   const auto json = nlohmann::json::parse(test::read_bytes(folder_ / "t.json"));
   EXPECT_EQ(json.at("left_out"),

@@ -143,7 +143,7 @@ TEST_F(TrainRecognize, ReportsTheErrorsOfTheScan) {
   constexpr float kNoise = 5e-4F;
   Cloud scan = test::render_scan({{&bracket_, truth()}});
   test::Random random;
-  const auto tell = [&](const std::string& unit) {
+  const auto recognize = [&](const std::string& unit) {
     write("noisy.ply", scan);
     const test::Outcome outcome =
         run({"recognize", "library.h5", "noisy.ply", "--unit", unit, "--json", "-"});
@@ -154,11 +154,11 @@ TEST_F(TrainRecognize, ReportsTheErrorsOfTheScan) {
     const Eigen::Vector3f p = scan.points[i];
     scan.points.set(i, (1 + random.normal(kNoise) / p.norm()) * p);
   }
-  const nlohmann::json in_meters = tell("m"), meters = in_meters.at("sensor");
+  const nlohmann::json in_meters = recognize("m"), meters = in_meters.at("sensor");
   EXPECT_NEAR(meters.at("range").get<double>(), 0.85, 0.3);
   EXPECT_NEAR(meters.at("noise").get<double>(), kNoise, 0.5 * kNoise);
   for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, 1000 * scan.points[i]);
-  const nlohmann::json in_millimeters = tell("mm"), millimeters = in_millimeters.at("sensor");
+  const nlohmann::json in_millimeters = recognize("mm"), millimeters = in_millimeters.at("sensor");
   const auto near = [](const nlohmann::json& value, double expected) {
     EXPECT_NEAR(value.get<double>(), expected, 0.01 * expected + 0.001);
   };

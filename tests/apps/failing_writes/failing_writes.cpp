@@ -31,7 +31,7 @@ Function* next(const char* name) {
   return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
 }
 
-[[gnu::destructor]] void tell() {
+[[gnu::destructor]] void write_count() {
   const char* const file = std::getenv("COUNT_TO");
   if (file == nullptr) return;
   if (std::FILE* const out = std::fopen(file, "w")) {

@@ -82,19 +82,19 @@ TEST_F(ChangedLibrary, IsLoggedWithoutARequest) {
     overwrite(bytes_);
     std::this_thread::sleep_for(std::chrono::milliseconds(2500));
   });
-  const std::size_t told = outcome.error.find("\"library changed\"");
-  EXPECT_NE(told, std::string::npos) << outcome.error;
-  EXPECT_EQ(outcome.error.find("\"library changed\"", told + 1), std::string::npos) << "once";
+  const std::size_t position = outcome.error.find("\"library changed\"");
+  EXPECT_NE(position, std::string::npos) << outcome.error;
+  EXPECT_EQ(outcome.error.find("\"library changed\"", position + 1), std::string::npos) << "once";
 }
 
 TEST_F(ChangedLibrary, GivesNoWrongAnswerAndEndsNothingWhileItIsWrittenUnderLoad) {
   const Outcome outcome = serve({}, [&](int port) {
     const nlohmann::json right = detections(ask(port, "POST", query_, scan_));
     ASSERT_FALSE(right.empty());
-    std::atomic<bool> is_over{false};
+    std::atomic<bool> is_finished{false};
     std::atomic<int> num_right{0}, num_refused{0};
     std::thread client([&] {
-      while (!is_over) {
+      while (!is_finished) {
         const Answer answer = ask(port, "POST", query_, scan_);
         if (answer.status == 200) {
           EXPECT_EQ(detections(answer), right);
@@ -127,7 +127,7 @@ TEST_F(ChangedLibrary, GivesNoWrongAnswerAndEndsNothingWhileItIsWrittenUnderLoad
     }
     for (const int before = num_right; num_right < before + 2;)
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
-    is_over = true;
+    is_finished = true;
     client.join();
     EXPECT_GT(num_refused, 0);
   });

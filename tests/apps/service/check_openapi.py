@@ -141,7 +141,7 @@ def check_parts():
     new = "/v1/parts/new?file=new.ply&unit="
     expect(202, "PUT", part, new + "m", mesh)
     expect(400, "PUT", part, new + "inch", mesh)
-    trained = when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")["parts"][0]
+    trained = when("GET", "/v1/parts", lambda answer: answer["parts"][0]["state"] == "trained")["parts"][0]
     expect(200, "GET", part + "/mesh.ply", "/v1/parts/new/mesh.ply")
     expect(404, "GET", part + "/mesh.ply", "/v1/parts/old/mesh.ply")
     expect(200, "GET", part + "/near-symmetry", "/v1/parts/new/near-symmetry")
@@ -149,7 +149,7 @@ def check_parts():
     expect(400, "PATCH", part, "/v1/parts/new")
     declared = {"declaration": trained["model"]["symmetry"]["declaration"]}
     expect(202, "PATCH", part, "/v1/parts/new", json.dumps(declared))
-    when("GET", "/v1/parts", lambda told: told["parts"][0]["state"] == "trained")
+    when("GET", "/v1/parts", lambda answer: answer["parts"][0]["state"] == "trained")
     expect(200, "PUT", model, "/v1/models/new")
     expect(409, "PUT", model, "/v1/models/new")
     expect(200, "PATCH", model, "/v1/models/new?name=newer")
@@ -163,7 +163,7 @@ def check_parts():
 def check_live(scan):
     with open("in/scan.png", "wb") as file:
         file.write(scan)
-    when("GET", "/v1/live", lambda told: told["scans"])
+    when("GET", "/v1/live", lambda answer: answer["scans"])
     for what in ("answer", "scan"):
         template = "/v1/live/{number}/" + what
         expect(200, "GET", template, template.replace("{number}", "1"))

@@ -34,8 +34,8 @@ inline std::string unpack(std::string_view packed) {
   stream.avail_in = static_cast<uInt>(packed.size());
   stream.next_out = reinterpret_cast<Bytef*>(out.data());
   stream.avail_out = static_cast<uInt>(out.size());
-  const bool is_whole = inflate(&stream, Z_FINISH) == Z_STREAM_END;
-  out.resize(is_whole ? stream.total_out : 0);
+  const bool is_complete = inflate(&stream, Z_FINISH) == Z_STREAM_END;
+  out.resize(is_complete ? stream.total_out : 0);
   inflateEnd(&stream);
   return out;
 }

@@ -73,7 +73,7 @@ class HaProxy : public testing::Test {
   Answer recognize() { return ask(port_, "POST", query_, scan_); }
 
   /// The number of recognitions that a replica has waiting and running.
-  static int num_taken(int port) {
+  static int num_accepted(int port) {
     const std::string metrics = ask(port, "GET", "/metrics").body;
     int sum = 0;
     for (const char* const name : {"queue_depth", "inflight"}) {
@@ -110,7 +110,7 @@ TEST_F(HaProxy, LosesNothingWhenAReplicaEnds) {
       while (!stop) ++(recognize().status == 200 ? num_answered : num_failed);
     });
   }
-  EXPECT_TRUE(test::comes([&] { return num_taken(a_->port()) > 0 && num_answered > 0; }));
+  EXPECT_TRUE(test::comes([&] { return num_accepted(a_->port()) > 0 && num_answered > 0; }));
   const test::Outcome ended = a_->process().end();
   EXPECT_EQ(ended.exit_code, 0);
   EXPECT_NE(ended.error.find("every request was answered"), std::string::npos) << ended.error;
@@ -125,10 +125,11 @@ TEST_F(HaProxy, LosesOnlyWhatADyingReplicaWorkedOn) {
   int num_lost = 0;
   const std::vector<Answer> answers = recognize_at_once(8, [&] {
     EXPECT_TRUE(test::comes([&] {
-      return num_taken(a_->port()) + num_taken(b_->port()) >= 6 && num_taken(a_->port()) > 1;
+      return num_accepted(a_->port()) + num_accepted(b_->port()) >= 6 &&
+             num_accepted(a_->port()) > 1;
     }));
     a_->process().signal(SIGSTOP);  // so that its queue does not change
-    num_lost = 8 - num_taken(b_->port());
+    num_lost = 8 - num_accepted(b_->port());
     a_->process().signal(SIGKILL);
     a_->process().wait();
   });

@@ -107,7 +107,7 @@ TEST(HttpServer, DetectsClosedConnections) {
 TEST(HttpServer, AcceptsTargetsThatNameTheHost) {
   const Result<HttpServer> server = start_echo();
   ASSERT_TRUE(server) << server.error().message;
-  for (const auto& [given, taken] : std::vector<std::pair<std::string, std::string>>{
+  for (const auto& [given, target] : std::vector<std::pair<std::string, std::string>>{
            {"/v1/a?b=c", "/v1/a?b=c"},
            {"http://localhost/v1/a?b=c", "/v1/a?b=c"},
            {"HTTP://other.example:8080/v1/a", "/v1/a"},
@@ -117,7 +117,7 @@ TEST(HttpServer, AcceptsTargetsThatNameTheHost) {
            {"/http://localhost/a", "/http://localhost/a"}}) {
     const test::Answer answer = test::ask(server->port(), "GET", given);
     EXPECT_EQ(answer.status, 200) << given;
-    EXPECT_EQ(answer.body, taken + " ");
+    EXPECT_EQ(answer.body, target + " ");
   }
   for (const char* const wrong : {"http://", "http:///v1/a", "http://?a=b"}) {
     const test::Answer answer = test::ask(server->port(), "GET", wrong);
@@ -154,9 +154,9 @@ TEST(HttpServer, UnpacksBodies) {
            {"GZip", halves},
            {"deflate", test::pack(test::Packing::zlib, text)},
            {"identity", text}}) {
-    const test::Answer whole = test::ask(server->port(), "POST", "/", body, coded(coding));
-    EXPECT_EQ(whole.status, 200) << coding << ": " << whole.body.substr(0, 200);
-    EXPECT_TRUE(whole.body == "/ " + text) << coding;
+    const test::Answer answer_to_body = test::ask(server->port(), "POST", "/", body, coded(coding));
+    EXPECT_EQ(answer_to_body.status, 200) << coding << ": " << answer_to_body.body.substr(0, 200);
+    EXPECT_TRUE(answer_to_body.body == "/ " + text) << coding;
     const test::Connection connection(server->port());
     connection.send("POST / HTTP/1.1\r\nHost: a\r\nConnection: close\r\n" + coded(coding) +
                     "Transfer-Encoding: chunked\r\n\r\n" + in_chunks(body, 1000));

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 class LiveScans : public ServeFixture {
  protected:
   static nlohmann::json scans(int port, int number, const std::string& query = "") {
-    nlohmann::json told;
+    nlohmann::json listed;
     for (int k = 0; k < 3000; ++k) {
-      told = ask(port, "GET", "/v1/live" + query).json()["scans"];
-      if (static_cast<int>(told.size()) >= number) break;
+      listed = ask(port, "GET", "/v1/live" + query).json()["scans"];
+      if (static_cast<int>(listed.size()) >= number) break;
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
-    return told;
+    return listed;
   }
 };
 
@@ -34,31 +34,31 @@ TEST_F(LiveScans, AreRecognizedAsTheyCome) {
   const Outcome outcome = serve({"--watch", "in", "--watch-query", parameters_}, [&](int port) {
     std::ofstream(folder_ / "in/notes.md") << "no scan";
     fs::copy(depth_, folder_ / "in/first.png");
-    nlohmann::json told = scans(port, 1);
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0]["name"], "first.png");
-    EXPECT_EQ(told[0]["number"], 1);
-    EXPECT_EQ(told[0]["query"], "format=png&" + parameters_);
-    EXPECT_TRUE(told[0]["error"].is_null());
+    nlohmann::json listed = scans(port, 1);
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_EQ(listed[0]["name"], "first.png");
+    EXPECT_EQ(listed[0]["number"], 1);
+    EXPECT_EQ(listed[0]["query"], "format=png&" + parameters_);
+    EXPECT_TRUE(listed[0]["error"].is_null());
 
     // Equal to the result for a posted scan, bit by bit.
     const nlohmann::json sent = ask(port, "POST", query_, read_bytes(depth_)).json();
-    const nlohmann::json answer = ask(port, "GET", told[0]["answer"]).json();
+    const nlohmann::json answer = ask(port, "GET", listed[0]["answer"]).json();
     EXPECT_EQ(answer["scenes"][0]["detections"], sent["scenes"][0]["detections"]);
-    EXPECT_EQ(told[0]["detections"], sent["scenes"][0]["detections"].size());
-    EXPECT_EQ(ask(port, "GET", told[0]["url"]).body, read_bytes(depth_));
+    EXPECT_EQ(listed[0]["detections"], sent["scenes"][0]["detections"].size());
+    EXPECT_EQ(ask(port, "GET", listed[0]["url"]).body, read_bytes(depth_));
 
     std::ofstream(folder_ / "in/damaged.png") << "\x89PNG no more";
-    told = scans(port, 1, "?after=1");
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_NE(told[0]["error"].get<std::string>().find("damaged.png"), std::string::npos);
-    EXPECT_EQ(ask(port, "GET", told[0]["answer"]).status, 404);
+    listed = scans(port, 1, "?after=1");
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_NE(listed[0]["error"].get<std::string>().find("damaged.png"), std::string::npos);
+    EXPECT_EQ(ask(port, "GET", listed[0]["answer"]).status, 404);
     // A rewritten scan is new.
     fs::remove(folder_ / "in/damaged.png");
     fs::copy(depth_, folder_ / "in/damaged.png");
-    told = scans(port, 1, "?after=2");
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_TRUE(told[0]["error"].is_null()) << told;
+    listed = scans(port, 1, "?after=2");
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_TRUE(listed[0]["error"].is_null()) << listed;
     fs::remove(folder_ / "in/first.png");
     EXPECT_EQ(ask(port, "GET", "/v1/live/1/scan").status, 404);
     EXPECT_EQ(ask(port, "GET", "/v1/live/77/scan").status, 404);
@@ -78,9 +78,9 @@ TEST_F(LiveScans, AreReadOnceTheyAreCompleteThoughWrittenSlowly) {
       std::this_thread::sleep_for(std::chrono::milliseconds(60));
     }
     file.close();
-    const nlohmann::json told = scans(port, 1);
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_TRUE(told[0]["error"].is_null()) << told;
+    const nlohmann::json listed = scans(port, 1);
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_TRUE(listed[0]["error"].is_null()) << listed;
   });
 }
 
@@ -98,15 +98,15 @@ TEST_F(LiveScans, AreCompleteOnceUnchangedOrRenamed) {
     // A renamed file is read without that wait.
     std::ofstream(folder_ / "in/.renamed", std::ios::binary) << bytes;
     fs::rename(folder_ / "in/.renamed", folder_ / "in/renamed.png");
-    nlohmann::json told = scans(port, 1);
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0]["name"], "renamed.png");
+    nlohmann::json listed = scans(port, 1);
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_EQ(listed[0]["name"], "renamed.png");
     append(bytes.size() / 2, bytes.size());
-    told = scans(port, 1, "?after=1");
-    ASSERT_EQ(told.size(), 1U);
-    EXPECT_EQ(told[0]["name"], "halves.png");
-    EXPECT_TRUE(told[0]["error"].is_null()) << told;
-    EXPECT_EQ(told[0]["detections"], scans(port, 1)[0]["detections"]);
+    listed = scans(port, 1, "?after=1");
+    ASSERT_EQ(listed.size(), 1U);
+    EXPECT_EQ(listed[0]["name"], "halves.png");
+    EXPECT_TRUE(listed[0]["error"].is_null()) << listed;
+    EXPECT_EQ(listed[0]["detections"], scans(port, 1)[0]["detections"]);
   });
 }
 
@@ -120,10 +120,10 @@ TEST_F(LiveScans, AreOnesOfTheirOwnWhenOneFileIsOverwrittenAgainAndAgain) {
           // Truncated, then rewritten, as by a camera that uses one file name.
           std::ofstream(latest, std::ios::binary | std::ios::trunc)
               << (i == 1 ? bytes.substr(0, bytes.size() / 2) : bytes);
-          const nlohmann::json told = scans(port, 1, "?after=" + std::to_string(i));
-          ASSERT_EQ(told.size(), 1U);
-          EXPECT_EQ(told[0]["number"], i + 1);
-          EXPECT_EQ(told[0]["error"].is_null(), i != 1) << told;
+          const nlohmann::json listed = scans(port, 1, "?after=" + std::to_string(i));
+          ASSERT_EQ(listed.size(), 1U);
+          EXPECT_EQ(listed[0]["number"], i + 1);
+          EXPECT_EQ(listed[0]["error"].is_null(), i != 1) << listed;
         }
         EXPECT_EQ(ask(port, "GET", "/v1/live/1/scan").status, 404) << "the file holds another scan";
         EXPECT_EQ(ask(port, "GET", "/v1/live/4/scan").body, bytes);
@@ -141,13 +141,14 @@ TEST_F(LiveScans, MayHaveNamesThatAreNoText) {
       fs::rename(folder_ / ".scan", folder_ / "in" / name);
       scans(port, name[0] == 'b' ? 2 : 1);
     }
-    const nlohmann::json told = scans(port, 2);
-    ASSERT_EQ(told.size(), 2U);
-    EXPECT_EQ(told[0]["name"], "Geh\xef\xbf\xbduse.png");
-    EXPECT_TRUE(told[0]["error"].is_null());
-    EXPECT_EQ(ask(port, "GET", told[0]["url"]).body, read_bytes(depth_));
-    EXPECT_EQ(ask(port, "GET", told[0]["answer"]).status, 200);
-    EXPECT_NE(told[1]["error"].get<std::string>().find("br\xef\xbf\xbdken.png"), std::string::npos);
+    const nlohmann::json listed = scans(port, 2);
+    ASSERT_EQ(listed.size(), 2U);
+    EXPECT_EQ(listed[0]["name"], "Geh\xef\xbf\xbduse.png");
+    EXPECT_TRUE(listed[0]["error"].is_null());
+    EXPECT_EQ(ask(port, "GET", listed[0]["url"]).body, read_bytes(depth_));
+    EXPECT_EQ(ask(port, "GET", listed[0]["answer"]).status, 200);
+    EXPECT_NE(listed[1]["error"].get<std::string>().find("br\xef\xbf\xbdken.png"),
+              std::string::npos);
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }
@@ -157,9 +158,9 @@ TEST_F(LiveScans, HaveAnEpochThatIsNewWithEachService) {
   std::vector<std::string> epochs;
   for (int i = 0; i < 2; ++i) {
     serve({"--watch", "in"}, [&](int port) {
-      const auto told = [&] { return ask(port, "GET", "/v1/live").json()["epoch"]; };
-      epochs.push_back(told());
-      EXPECT_EQ(told(), epochs.back());
+      const auto listed = [&] { return ask(port, "GET", "/v1/live").json()["epoch"]; };
+      epochs.push_back(listed());
+      EXPECT_EQ(listed(), epochs.back());
     });
   }
   ASSERT_EQ(epochs.size(), 2U);

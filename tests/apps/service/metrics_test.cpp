@@ -45,13 +45,13 @@ TEST(Metrics, ReportsTheCurrentState) {
   gauges.library_bytes = 12'345'678'901;
   gauges.generation = 3;
   gauges.dropped_lines = 7;
-  const HttpResponse told = metrics.response(gauges);
-  EXPECT_EQ(told.content_type, "text/plain; version=0.0.4");
+  const HttpResponse response = metrics.response(gauges);
+  EXPECT_EQ(response.content_type, "text/plain; version=0.0.4");
   for (const char* const line :
        {"\n# TYPE trivet_library_bytes gauge\ntrivet_library_bytes 12345678901\n",
         "\ntrivet_library_generation 3\n",
         "\n# TYPE trivet_log_dropped_total counter\ntrivet_log_dropped_total 7\n"}) {
-    EXPECT_NE(told.body.find(line), std::string::npos) << line << " in\n" << told.body;
+    EXPECT_NE(response.body.find(line), std::string::npos) << line << " in\n" << response.body;
   }
 }
 

@@ -62,7 +62,7 @@ TEST_F(NotifySystemd, ReportsEachState) {
     EXPECT_EQ(manager.next_state(), "RELOADING=1");
     EXPECT_EQ(manager.next_state(), "READY=1");
     EXPECT_EQ(test::ask(port, "GET", "/v1/models").json()["generation"], 2);
-    tell_to_end();
+    request_end();
     EXPECT_EQ(manager.next_state(), "STOPPING=1");
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;

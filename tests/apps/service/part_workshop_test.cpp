@@ -26,8 +26,8 @@ class PartWorkshop : public ServeFixture {
   /// The part's entry in /v1/parts once no work on it is pending.
   static nlohmann::json settled(int port, const std::string& name) {
     for (int k = 0; k < 3000; ++k) {
-      const nlohmann::json told = ask(port, "GET", "/v1/parts").json();
-      for (const nlohmann::json& part : told["parts"]) {
+      const nlohmann::json answer = ask(port, "GET", "/v1/parts").json();
+      for (const nlohmann::json& part : answer["parts"]) {
         if (part["name"] == name && part["state"] != "waiting" && part["state"] != "training")
           return part;
       }
@@ -38,8 +38,8 @@ class PartWorkshop : public ServeFixture {
 
   static std::vector<std::string> models(int port) {
     std::vector<std::string> names;
-    const nlohmann::json told = ask(port, "GET", "/v1/models").json();
-    for (const nlohmann::json& model : told["models"]) names.push_back(model["name"]);
+    const nlohmann::json answer = ask(port, "GET", "/v1/models").json();
+    for (const nlohmann::json& model : answer["models"]) names.push_back(model["name"]);
     return names;
   }
 

@@ -56,9 +56,9 @@ TEST(RequestLog, EndsInTimeWhileItsReaderSleeps) {
   for (int i = 0; i < kNumLines; ++i) log->write("info", "request", {{"line", i}});
   const auto begun = std::chrono::steady_clock::now();
   log.reset();
-  const auto took = std::chrono::steady_clock::now() - begun;
-  EXPECT_GE(took, std::chrono::milliseconds(900)) << "the reader may wake up yet";
-  EXPECT_LT(took, std::chrono::seconds(5)) << "of a machine that does other things, too";
+  const auto elapsed = std::chrono::steady_clock::now() - begun;
+  EXPECT_GE(elapsed, std::chrono::milliseconds(900)) << "the reader may wake up yet";
+  EXPECT_LT(elapsed, std::chrono::seconds(5)) << "of a machine that does other things, too";
   ::close(pipe[0]);
   ::close(pipe[1]);
 }

@@ -39,7 +39,7 @@ Outcome ServeFixture::serve(std::vector<std::string> arguments,
     arguments.insert(arguments.end(), {"--exit-timeout-ms", "300000"});
   std::thread client;
   std::atomic<bool> done{false};
-  told_ = false;
+  end_requested_ = false;
   Outcome outcome = run_trivet(
       arguments, {.folder = folder_.path(),
                   .environment = environment_,
@@ -53,14 +53,14 @@ Outcome ServeFixture::serve(std::vector<std::string> arguments,
                         done = true;
                       });
                     }
-                    if (done) tell_to_end();
+                    if (done) request_end();
                   }});
   if (client.joinable()) client.join();
   return outcome;
 }
 
-void ServeFixture::tell_to_end() {
-  if (!told_.exchange(true)) kill(process_, SIGTERM);
+void ServeFixture::request_end() {
+  if (!end_requested_.exchange(true)) kill(process_, SIGTERM);
 }
 
 }  // namespace trivet::test

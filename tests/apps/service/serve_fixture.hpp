@@ -24,7 +24,7 @@ class ServeFixture : public testing::Test {
   /// Runs the service with these arguments while `body(port)` runs, then ends it.
   Outcome serve(std::vector<std::string> arguments, const std::function<void(int port)>& body);
   /// Sends a signal once: a second one would end the service at once.
-  void tell_to_end();
+  void request_end();
 
   std::vector<std::string> environment_;  ///< NAME=VALUE, of the service
   const TempDir folder_;                  ///< with l.h5 and camera.json
@@ -35,7 +35,7 @@ class ServeFixture : public testing::Test {
   std::atomic<pid_t> process_{0};
 
  private:
-  std::atomic<bool> told_{false};
+  std::atomic<bool> end_requested_{false};
 };
 
 }  // namespace trivet::test

@@ -26,7 +26,7 @@ TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
   if (std::string(TRIVET_STUCK_INFLATE).empty()) GTEST_SKIP() << "not with sanitizers";
   environment_ = {std::string("LD_PRELOAD=") + TRIVET_STUCK_INFLATE, "STUCK_FROM=stuck"};
   const std::string image = read_bytes(depth_);
-  steady_clock::time_point told;
+  steady_clock::time_point stopped;
   const test::Outcome outcome =
       serve({"--exit-timeout-ms", "500", "--parallel", "1"}, [&](int port) {
         EXPECT_EQ(ask(port, "POST", query_, image).status, 200);
@@ -48,11 +48,11 @@ TEST_F(ServeStuck, AnswersAtTheDeadlineAndEndsInTime) {
         last.send("POST " + query_ + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
                   std::to_string(image.size()) + "\r\n\r\n" + image);
         std::this_thread::sleep_for(milliseconds(20));
-        told = steady_clock::now();
-        tell_to_end();
+        stopped = steady_clock::now();
+        request_end();
         EXPECT_NE(last.receive().find(" 503 "), std::string::npos);
       });
-  const auto seconds = std::chrono::duration<double>(steady_clock::now() - told).count();
+  const auto seconds = std::chrono::duration<double>(steady_clock::now() - stopped).count();
   EXPECT_EQ(outcome.exit_code, apps::service::Daemon::kExitUnfinished) << outcome.error;
   EXPECT_LT(seconds, 15) << "0.05 + 0.5 on a machine that has nothing else to do";
   EXPECT_NE(outcome.error.find("some work did not end"), std::string::npos) << outcome.error;

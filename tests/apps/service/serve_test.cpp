@@ -239,8 +239,8 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     EXPECT_NEAR(static_cast<double>(few.body.size()) / 12, 1000, 20);
     EXPECT_NE(few.head.find("X-Points: " + std::to_string(cloud->points.size())),
               std::string::npos);
-    const Answer seen = ask(port, "POST", "/v1/points?viewpoint=1,2,3.5&" + query, scan.body);
-    EXPECT_NE(seen.head.find("X-Viewpoint: 1,2,3.5"), std::string::npos) << seen.head;
+    const Answer points = ask(port, "POST", "/v1/points?viewpoint=1,2,3.5&" + query, scan.body);
+    EXPECT_NE(points.head.find("X-Viewpoint: 1,2,3.5"), std::string::npos) << points.head;
     EXPECT_EQ(ask(port, "POST", "/v1/points?max-points=0&" + query, scan.body).status, 400);
     EXPECT_EQ(ask(port, "POST", "/v1/points?intensity=7&" + query, scan.body).status, 400);
     const Answer lit =
@@ -527,7 +527,7 @@ TEST_F(Serve, AnswersAcceptedRequestsBeforeItEnds) {
       }
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
-    tell_to_end();
+    request_end();
     for (std::thread& client : clients) client.join();
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;

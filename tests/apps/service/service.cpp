@@ -23,23 +23,23 @@ Background::Background(const std::string& program, const std::vector<std::string
                        const std::filesystem::path& folder,
                        std::function<bool(const std::string& error)> is_up) {
   std::promise<pid_t> up;
-  std::future<pid_t> told = up.get_future();
+  std::future<pid_t> process_id = up.get_future();
   thread_ = std::thread([=, this, up = std::move(up)]() mutable {
-    bool is_told = false;
+    bool is_set = false;
     const auto watch = [&](pid_t process, const std::string& error) {
-      if (is_told || !is_up(error)) return;
-      is_told = true;
+      if (is_set || !is_up(error)) return;
+      is_set = true;
       up.set_value(process);
     };
     outcome_ =
         run_program(program, arguments, {.folder = folder, .environment = {}, .watch = watch});
-    if (!is_told) up.set_value(0);
+    if (!is_set) up.set_value(0);
   });
-  process_ = told.get();
+  process_ = process_id.get();
 }
 
 void Background::signal(int number) const {
-  if (process_ > 0 && !is_over_) ::kill(process_, number);
+  if (process_ > 0 && !has_ended_) ::kill(process_, number);
 }
 
 const Outcome& Background::end() {
@@ -49,7 +49,7 @@ const Outcome& Background::end() {
 
 const Outcome& Background::wait() {
   if (thread_.joinable()) thread_.join();
-  is_over_ = true;
+  has_ended_ = true;
   return outcome_;
 }
 

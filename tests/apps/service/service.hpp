@@ -32,7 +32,7 @@ class Background {
 
  private:
   pid_t process_ = 0;
-  bool is_over_ = false;
+  bool has_ended_ = false;
   Outcome outcome_;
   std::thread thread_;
 };

@@ -58,9 +58,9 @@ TEST_F(SessionOfAService, IsAFolderThatEvaluateReads) {
       const Answer put = ask(port, "PUT", std::string("/v1/session/runs/A/") + name, answer.dump());
       EXPECT_EQ(put.status, 200) << put.body;
     }
-    const Answer told =
+    const Answer stored =
         ask(port, "PUT", "/v1/session/scans/left/truth", Json{{"truth", truth}}.dump());
-    EXPECT_EQ(told.status, 200) << told.body;
+    EXPECT_EQ(stored.status, 200) << stored.body;
     const Answer back = ask(port, "GET", "/v1/session/runs/A/left");
     answer["scenes"][0]["scene"] = "scans/left.png";
     EXPECT_EQ(back.json(), answer);
@@ -143,19 +143,19 @@ TEST_F(SessionOfAService, ReplacesOnlyTheVersionThatIsKnown) {
     EXPECT_EQ(put(port, "runs/A/left", answer, stale.json()["version"]).status, 200);
     EXPECT_EQ(put(port, "runs/A/left", answer, "*").status, 200);
 
-    const std::string untold = index(port)["scans"][0]["version"];
+    const std::string unmarked = index(port)["scans"][0]["version"];
     const Json truth{
         {"truth",
          {{{"model", detections[0]["model"]}, {"T_scene_model", detections[0]["T_scene_model"]}}}}};
-    const Answer told = put(port, "scans/left/truth", truth, untold);
-    ASSERT_EQ(told.status, 200) << told.body;
-    EXPECT_NE(told.json()["version"], untold);
-    const Answer late = put(port, "scans/left/truth", {{"truth", nullptr}}, untold);
+    const Answer stored = put(port, "scans/left/truth", truth, unmarked);
+    ASSERT_EQ(stored.status, 200) << stored.body;
+    EXPECT_NE(stored.json()["version"], unmarked);
+    const Answer late = put(port, "scans/left/truth", {{"truth", nullptr}}, unmarked);
     EXPECT_EQ(late.status, 409);
     EXPECT_EQ(late.json()["scan"], index(port)["scans"][0]);
-    EXPECT_EQ(put(port, "scans/left/truth", {{"truth", nullptr}}, told.json()["version"]).status,
+    EXPECT_EQ(put(port, "scans/left/truth", {{"truth", nullptr}}, stored.json()["version"]).status,
               200);
-    EXPECT_EQ(index(port)["scans"][0]["version"], untold) << "of the same, the same";
+    EXPECT_EQ(index(port)["scans"][0]["version"], unmarked) << "of the same, the same";
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }

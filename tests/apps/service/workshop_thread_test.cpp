@@ -44,10 +44,10 @@ class WorkshopThread : public test::ServeFixture {
     EXPECT_TRUE(library);
     std::string to = "renamed";
     while (find_model(*library, to)) to += "_again";
-    auto told = std::make_shared<std::promise<Result<void>>>();
+    auto result = std::make_shared<std::promise<Result<void>>>();
     workshop_->rename(library->models.front().name, to,
-                      [told](const Result<void>& done) { told->set_value(done); });
-    return told->get_future().get();
+                      [result](const Result<void>& done) { result->set_value(done); });
+    return result->get_future().get();
   }
 
   /// The status of a newly uploaded part.

@@ -62,16 +62,16 @@ TEST(RejectionWords, NameTheLimitInTheNotationOfScores) {
 }
 
 TEST(RejectionWords, EndWithTheModelThatExplainsThePose) {
-  RejectedPose taken = rejected_for(Rejection::explained, 0.95F);
-  taken.explained_by = 0;
-  taken.explained_share = 0.834F;
-  EXPECT_EQ(rejection_words(found_gear(), taken, default_score(), {}).text(),
+  RejectedPose explained = rejected_for(Rejection::explained, 0.95F);
+  explained.explained_by = 0;
+  explained.explained_share = 0.834F;
+  EXPECT_EQ(rejection_words(found_gear(), explained, default_score(), {}).text(),
             "place taken: 83 % of its pixels are explained by gear");
-  taken.reason = Rejection::too_low;
+  explained.reason = Rejection::too_low;
   RecognizeOptions very_pose;
   very_pose.require_pose = true;
   for (const RecognizeOptions& options : {RecognizeOptions{}, very_pose}) {
-    EXPECT_TRUE(rejection_words(found_gear(), taken, default_score(), options)
+    EXPECT_TRUE(rejection_words(found_gear(), explained, default_score(), options)
                     .text()
                     .ends_with("; 83 % of its pixels are explained by gear"));
   }

@@ -17,13 +17,13 @@ namespace {
 /// one.
 std::size_t threads_of_a_loop() {
   std::mutex mutex;
-  std::set<std::thread::id> seen;
+  std::set<std::thread::id> threads;
   for_each_index(64, [&](std::size_t) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     const std::lock_guard lock(mutex);
-    seen.insert(std::this_thread::get_id());
+    threads.insert(std::this_thread::get_id());
   });
-  return seen.size();
+  return threads.size();
 }
 
 TEST(ThreadLimit, BoundsTheThreadsOfALoopWhileItLives) {

@@ -43,7 +43,7 @@ class IndexFeatures : public test::LibraryTest {
 TEST_F(IndexFeatures, HoldsEveryFeatureOnceBesideItsKeypointAndFrame) {
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message;
-  std::set<std::tuple<float, std::uint32_t, std::size_t>> seen;  // resolution, model, row
+  std::set<std::tuple<float, std::uint32_t, std::size_t>> visited;  // resolution, model, row
   std::size_t expected = 0;
   for (const Model& model : models_)
     for (const TriSpinFeatures& features : model.features) expected += features.size();
@@ -66,10 +66,10 @@ TEST_F(IndexFeatures, HoldsEveryFeatureOnceBesideItsKeypointAndFrame) {
       EXPECT_TRUE(
           std::ranges::equal(own.codes.subspan(row * own.num_components, own.num_components),
                              level.codes.subspan(i * level.stride, own.num_components)));
-      EXPECT_TRUE(seen.emplace(level.resolution, level.model[i], row).second);
+      EXPECT_TRUE(visited.emplace(level.resolution, level.model[i], row).second);
     }
   }
-  EXPECT_EQ(seen.size(), expected);
+  EXPECT_EQ(visited.size(), expected);
 }
 
 TEST_F(IndexFeatures, HoldsEachListByModelsAndRows) {

@@ -144,9 +144,9 @@ TEST(SurfaceFromPoints, NeedsASensorNearPointsThatAreFarFromZero) {
             std::string::npos)
       << blind.error().message;
   const Eigen::Vector3d above = cloud.offset + Eigen::Vector3d(5, 5, 20);
-  const Surface seen = surface_of(cloud, {.viewpoint = above});
-  EXPECT_GT(share_facing(seen.mesh, Vector3f(5, 5, 20)), 0.99);
-  EXPECT_EQ(seen.mesh.offset, cloud.offset);
+  const Surface surface = surface_of(cloud, {.viewpoint = above});
+  EXPECT_GT(share_facing(surface.mesh, Vector3f(5, 5, 20)), 0.99);
+  EXPECT_EQ(surface.mesh.offset, cloud.offset);
 }
 
 struct RealScan {

@@ -73,13 +73,13 @@ TEST(Option, IsPrintedAsAPersonWouldWriteIt) {
   EXPECT_EQ(value_text(true), "yes");
   EXPECT_EQ(value_text(std::vector<std::string>{"a", "b"}), "a, b");
   EXPECT_EQ(value_text(std::vector<double>{1, 0.5}), "1, 0.5");
-  const auto told = [](std::string_view name) {
+  const auto default_text = [](std::string_view name) {
     const auto* const option = find_option<RecognizeOptions>(name);
     return option_text(option->info, option->get({}));
   };
-  EXPECT_EQ(told("normal-window"), "2 to 7, by the scan's noise");
-  EXPECT_EQ(told("max-distance"), "any");
-  EXPECT_EQ(told("ablate"), "none");
+  EXPECT_EQ(default_text("normal-window"), "2 to 7, by the scan's noise");
+  EXPECT_EQ(default_text("max-distance"), "any");
+  EXPECT_EQ(default_text("ablate"), "none");
 }
 
 TEST(Option, AcceptsAutoOnlyWhereTheProgramCanChoose) {

@@ -35,7 +35,7 @@ EvaluationMesh cube() {
   return {"cube", shape.vertices, shape.triangles, 0.2 * std::sqrt(3.0), {}};
 }
 
-FilePose ahead(float z) {
+FilePose pose_in_front(float z) {
   FilePose pose = FilePose::Identity();
   pose.translation() << 0, 0, static_cast<double>(z);
   return pose;
@@ -64,7 +64,7 @@ constexpr Color kGreen{0, 255, 0}, kOrange{255, 128, 0};
 // The face of the cube at z = 0.9 spans 0.2 * 600 / 0.9 = 133 pixels.
 TEST(DrawScene, PutsModelsWhereTheyAre) {
   const EvaluationMesh model = cube();
-  const std::array overlays{Overlay{&model, ahead(1), kGreen, kOrange, true}};
+  const std::array overlays{Overlay{&model, pose_in_front(1), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   ASSERT_EQ(pictures->overlaid.width, kWidth);
@@ -82,8 +82,8 @@ TEST(DrawScene, PutsModelsWhereTheyAre) {
 
 TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
   const EvaluationMesh model = cube();
-  const std::array behind{Overlay{&model, ahead(4), kGreen, kOrange, true}};
-  const std::array outline{Overlay{&model, ahead(1), kGreen, kOrange, false}};
+  const std::array behind{Overlay{&model, pose_in_front(4), kGreen, kOrange, true}};
+  const std::array outline{Overlay{&model, pose_in_front(1), kGreen, kOrange, false}};
   const Result<ScenePictures> hidden = draw_scene(wall(), depth_image(), behind);
   const Result<ScenePictures> outlined = draw_scene(wall(), depth_image(), outline);
   ASSERT_TRUE(hidden && outlined);
@@ -97,11 +97,11 @@ TEST(DrawScene, DrawsWhatIsHiddenPalerAndWhatIsNotFilledAsAnOutline) {
 // A nearer cube hides the center and the right of the farther cube's box.
 TEST(DrawScene, PutsLabelsOnVisibleParts) {
   const EvaluationMesh model = cube();
-  FilePose near = ahead(0.8F), far = ahead(1);
+  FilePose near = pose_in_front(0.8F), far = pose_in_front(1);
   near.translation().x() = 0.05F;
   const std::array overlays{Overlay{&model, far, kGreen, kOrange, true},
                             Overlay{&model, near, kGreen, kOrange, true},
-                            Overlay{&model, ahead(4), kGreen, kOrange, true}};
+                            Overlay{&model, pose_in_front(4), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   const DrawnBox &behind = pictures->boxes[0], &before = pictures->boxes[1];
@@ -114,7 +114,7 @@ TEST(DrawScene, PutsLabelsOnVisibleParts) {
 // A cube behind the wall is invisible: its label is at the center of its drawn outline.
 TEST(DrawScene, PutsLabelsOfHiddenModelsIntoTheirMiddle) {
   const EvaluationMesh model = cube();
-  const std::array overlays{Overlay{&model, ahead(4), kGreen, kOrange, true}};
+  const std::array overlays{Overlay{&model, pose_in_front(4), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   EXPECT_NEAR(pictures->boxes[0].label_x, 0.5, 0.01);
@@ -123,7 +123,7 @@ TEST(DrawScene, PutsLabelsOfHiddenModelsIntoTheirMiddle) {
 
 TEST(DrawScene, LeavesModelsOutsideTheImageOut) {
   const EvaluationMesh model = cube();
-  const std::array overlays{Overlay{&model, ahead(-3), kGreen, kOrange, true}};
+  const std::array overlays{Overlay{&model, pose_in_front(-3), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures);
   EXPECT_GT(pictures->boxes[0].left, pictures->boxes[0].right);
@@ -139,7 +139,7 @@ TEST(DrawScene, AcceptsPosesInTheScenesUnit) {
   }
   SceneInput input = depth_image();
   input.scale = 0.001;
-  const std::array overlays{Overlay{&model, ahead(1000), kGreen, kOrange, true}};
+  const std::array overlays{Overlay{&model, pose_in_front(1000), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(millimeters, input, overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   EXPECT_NEAR((pictures->boxes[0].right - pictures->boxes[0].left) * kWidth, 600 * 0.2 / 0.9, 2);
@@ -150,7 +150,7 @@ TEST(DrawScene, ShowsASquareAroundWhatItIsAskedFor) {
   const EvaluationMesh model = cube();
   Result<SceneDrawing> drawing = SceneDrawing::prepare(wall(), depth_image(), 0.35F);
   ASSERT_TRUE(drawing) << drawing.error().message;
-  const std::array overlays{Overlay{&model, ahead(1), kGreen, kOrange, false}};
+  const std::array overlays{Overlay{&model, pose_in_front(1), kGreen, kOrange, false}};
   const Result<ScenePictures> detail = drawing->draw_around(overlays, overlays);
   ASSERT_TRUE(detail) << detail.error().message;
   EXPECT_EQ(detail->scan.width, detail->scan.height);
@@ -166,7 +166,7 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
   const EvaluationMesh model = cube();
   Result<SceneDrawing> drawing = SceneDrawing::prepare(wall(), depth_image(), 0.35F);
   ASSERT_TRUE(drawing);
-  FilePose corner = ahead(1);
+  FilePose corner = pose_in_front(1);
   corner.translation().x() = -0.53;
   const std::array overlays{Overlay{&model, corner, kGreen, kOrange, false}};
   const Result<ScenePictures> detail = drawing->draw_around(overlays, overlays);
@@ -174,15 +174,15 @@ TEST(DrawScene, ShowsWhatReachesOutOfTheImage) {
   EXPECT_LT(pixel(detail->scan, 2, 2)[0], 40) << "nothing was measured there";
   EXPECT_GT(pixel(detail->scan, detail->scan.width - 3, detail->scan.height / 2)[0], 60);
 
-  const std::array behind{Overlay{&model, ahead(-3), kGreen, kOrange, false}};
+  const std::array behind{Overlay{&model, pose_in_front(-3), kGreen, kOrange, false}};
   EXPECT_FALSE(drawing->draw_around(behind, behind));
 }
 
 TEST(DrawScene, DrawsEachOutlineCompletely) {
   const EvaluationMesh model = cube();
   constexpr Color kBlue{0, 0, 255};
-  const std::array both{Overlay{&model, ahead(1), kBlue, {}, false},
-                        Overlay{&model, ahead(1.0001F), kGreen, {}, false}};
+  const std::array both{Overlay{&model, pose_in_front(1), kBlue, {}, false},
+                        Overlay{&model, pose_in_front(1.0001F), kGreen, {}, false}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), both);
   ASSERT_TRUE(pictures);
   for (std::uint32_t v = 180; v < 300; ++v)
@@ -198,7 +198,7 @@ TEST(DrawScene, DrawsCloudsAsSpheres) {
                         0.01F * static_cast<float>(i / 20) - 0.095F, 0});
   }
   model.vertices = std::move(vertices);
-  const std::array overlays{Overlay{&model, ahead(1), kGreen, kOrange, true}};
+  const std::array overlays{Overlay{&model, pose_in_front(1), kGreen, kOrange, true}};
   const Result<ScenePictures> pictures = draw_scene(wall(), depth_image(), overlays);
   ASSERT_TRUE(pictures) << pictures.error().message;
   EXPECT_EQ(pixel(pictures->overlaid, 320, 240)[2], 0) << "no gaps";

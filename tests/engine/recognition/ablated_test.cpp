@@ -71,7 +71,7 @@ class WithoutImprovement : public testing::Test {
       const double wave = 0.0008 * std::sin(0.3 * u) * std::sin(0.3 * v);
       z[i] += static_cast<float>(wave + 0.0007 * random.normal());
     }
-    whole_ = recognized({});
+    complete_ = recognized({});
   }
   static SceneResult recognized(ImprovementSet ablated) {
     auto result = recognize(recognizer_, scene_, {}, {.min_score = 0.02F, .ablated = ablated});
@@ -95,7 +95,7 @@ class WithoutImprovement : public testing::Test {
   }
   static inline Recognizer recognizer_{Library{}};
   static inline Cloud scene_;
-  static inline SceneResult whole_;
+  static inline SceneResult complete_;
 };
 
 // Without votes from the wall, no pose depends on it, and these parts have no alternatives:
@@ -104,10 +104,10 @@ TEST_F(WithoutImprovement, FindsSomethingElseForEach) {
   for (const Improvement improvement : all_improvements()) {
     if (improvement == Improvement::background || improvement == Improvement::alternatives)
       continue;
-    EXPECT_NE(fingerprint(recognized({improvement})), fingerprint(whole_))
+    EXPECT_NE(fingerprint(recognized({improvement})), fingerprint(complete_))
         << kImprovements[static_cast<std::size_t>(improvement)].name;
   }
-  EXPECT_EQ(fingerprint(recognized({})), fingerprint(whole_));
+  EXPECT_EQ(fingerprint(recognized({})), fingerprint(complete_));
 }
 
 TEST_F(WithoutImprovement, MistakesTheWallForTheFlatSideOfAPart) {
@@ -124,7 +124,7 @@ TEST_F(WithoutImprovement, MistakesTheWallForTheFlatSideOfAPart) {
 }
 
 TEST_F(WithoutImprovement, NeedsMoreWork) {
-  const SceneStats& s = whole_.stats;
+  const SceneStats& s = complete_.stats;
   EXPECT_GT(recognized({Improvement::ball}).stats.num_pairs, s.num_pairs);
   EXPECT_GT(recognized({Improvement::full_cells}).stats.num_votes, s.num_votes);
   EXPECT_GT(recognized({Improvement::references}).stats.num_references, s.num_references);
@@ -135,7 +135,7 @@ TEST_F(WithoutImprovement, NeedsMoreWork) {
 TEST_F(WithoutImprovement, KeepsOneInstanceOfEachModel) {
   const SceneResult result = recognized({Improvement::clusters});
   EXPECT_LE(result.detections.size(), 2U);
-  EXPECT_GT(whole_.detections.size(), 2U);
+  EXPECT_GT(complete_.detections.size(), 2U);
 }
 
 TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
@@ -143,7 +143,7 @@ TEST_F(WithoutImprovement, LeavesPosesAsTheyWereVotedWhereNoneIsRefined) {
   ASSERT_FALSE(result.detections.empty());
   float best = 1;
   for (const Detection& detection : result.detections) {
-    for (const Detection& known : whole_.detections) {
+    for (const Detection& known : complete_.detections) {
       const float apart =
           kernels::pose_distance(known.T_scene_model, detection.T_scene_model, {}, {0, 0, 0})
               .rotation_rad;

@@ -226,17 +226,17 @@ TEST(RecognitionService, AnswersWithTheLibraryThatThereWasAndLetsItGo) {
   Gate gate(1);
   auto running = submit(service, job(gate.work()));
   gate.reached.wait();
-  std::atomic<std::uint64_t> seen{0};
+  std::atomic<std::uint64_t> library_number{0};
   auto waiting = submit(service, job([&](std::size_t, const LibraryGeneration& library,
                                          const std::stop_token&) -> Result<void> {
-                          seen = library.number;
+                          library_number = library.number;
                           return {};
                         }));
   service.publish(generation(2));
   gate.opened.count_down();
   EXPECT_EQ(std::get<ServiceAnswer>(running.get()).generation->number, 1U);
   EXPECT_EQ(std::get<ServiceAnswer>(waiting.get()).generation->number, 1U);
-  EXPECT_EQ(seen, 1U) << "taken before the new one was there";
+  EXPECT_EQ(library_number, 1U) << "taken before the new one was there";
   EXPECT_EQ(std::get<ServiceAnswer>(submit(service, job(nothing)).get()).generation->number, 2U);
   EXPECT_TRUE(service.drain(ServiceClock::now() + std::chrono::seconds(60)));
   EXPECT_TRUE(watched.expired()) << "its memory goes with the last of its answers";
@@ -289,8 +289,8 @@ TEST(RecognitionService, AnswersAtTheDeadlineThoughThePartGoesOn) {
   Gate gate(1);
   auto held = std::make_shared<int>(7);
   const std::weak_ptr<int> memory = held;
-  ServiceJob deaf = job([&gate, held](std::size_t, const LibraryGeneration& library,
-                                      const std::stop_token&) -> Result<void> {
+  ServiceJob unresponsive = job([&gate, held](std::size_t, const LibraryGeneration& library,
+                                              const std::stop_token&) -> Result<void> {
     gate.reached.count_down();
     gate.opened.wait();
     EXPECT_EQ(*held, 7) << "what the job holds lives as long as it is worked on";
@@ -298,11 +298,11 @@ TEST(RecognitionService, AnswersAtTheDeadlineThoughThePartGoesOn) {
     return {};
   });
   held.reset();
-  deaf.num_bytes = 100;
-  deaf.deadline = ServiceClock::now() + milliseconds(1000);
+  unresponsive.num_bytes = 100;
+  unresponsive.deadline = ServiceClock::now() + milliseconds(1000);
   std::atomic<int> num_answers{0};
   std::promise<ServiceOutcome> promise;
-  service.submit(std::move(deaf), [&](ServiceOutcome out) {
+  service.submit(std::move(unresponsive), [&](ServiceOutcome out) {
     if (num_answers++ == 0) promise.set_value(std::move(out));
   });
   gate.reached.wait();
@@ -340,12 +340,12 @@ TEST(RecognitionService, AnswersForPartsThatGoOnWhoeverHasLeftOrFailed) {
                           2));
   const ServiceOutcome failed = failing.get();
   ASSERT_TRUE(std::holds_alternative<Error>(failed));
-  auto deaf = submit(service, job(gate.work()));
+  auto unresponsive = submit(service, job(gate.work()));
   gate.reached.wait();
   is_gone = true;
   EXPECT_EQ(refusal_of(std::move(leaving)), Refusal::gone);
   std::thread drain([&] { EXPECT_FALSE(service.drain(ServiceClock::now() + milliseconds(20))); });
-  EXPECT_EQ(refusal_of(std::move(deaf)), Refusal::closed);
+  EXPECT_EQ(refusal_of(std::move(unresponsive)), Refusal::closed);
   EXPECT_EQ(service.state().num_running, 2U);
   gate.opened.count_down();
   drain.join();
@@ -355,9 +355,9 @@ TEST(RecognitionService, ReportsAWorkerThatIgnoresStopRequests) {
   RecognitionService service({.num_parallel = 2}, generation(1));
   Gate gate(1);
   std::atomic<bool> is_gone{false};
-  ServiceJob deaf = job(gate.work());
-  deaf.is_gone = [&] { return is_gone.load(); };
-  auto leaving = submit(service, std::move(deaf));
+  ServiceJob unresponsive = job(gate.work());
+  unresponsive.is_gone = [&] { return is_gone.load(); };
+  auto leaving = submit(service, std::move(unresponsive));
   gate.reached.wait();
   is_gone = true;
   EXPECT_EQ(refusal_of(std::move(leaving)), Refusal::gone);

@@ -121,14 +121,14 @@ TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHid
   const auto scan_of = [&](float turn) {
     return test::render_scan({{&wall, Pose::Identity()}, {&mug, pose_of(turn)}});
   };
-  const auto look_at = [&](float turn, ImprovementSet ablated = {}) {
+  const auto recognize_turned = [&](float turn, ImprovementSet ablated = {}) {
     const auto result =
         recognize(recognizer, scan_of(turn), {}, {.min_score = 0, .ablated = ablated});
     EXPECT_TRUE(result && !result->detections.empty());
     return std::pair{pose_of(turn), result->detections.at(0)};
   };
   for (const float turn : {-1.2F, -0.3F, 0.4F, 2.9F}) {
-    const auto [pose, found] = look_at(turn);
+    const auto [pose, found] = recognize_turned(turn);
     EXPECT_LT(kernels::rotation_angle(pose.linear(), found.T_scene_model.linear()), 0.04F) << turn;
     EXPECT_GT(found.score, 0.8F) << turn;
     EXPECT_TRUE(found.alternatives.empty()) << turn;
@@ -136,7 +136,7 @@ TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHid
     EXPECT_FALSE(found.turns) << turn;
   }
   constexpr float kBehind = 1.57F;
-  const Detection hidden = look_at(kBehind).second;
+  const Detection hidden = recognize_turned(kBehind).second;
   EXPECT_GT(hidden.score, 0.8F) << "it is a mug";
   EXPECT_EQ(hidden.score, kernels::pose_probability(recognizer.score(), hidden.parts));
   EXPECT_LT(hidden.pose_share, 0.5F) << "its turn is open";
@@ -152,7 +152,7 @@ TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHid
   EXPECT_LT((scaled->detections[0].turns->axis.point - 1000 * hidden.turns->axis.point).norm(),
             0.01F * hidden.turns->axis.point.norm() * 1000)
       << "in the scene's unit, as the pose is";
-  const Detection unambiguous = look_at(kBehind, {Improvement::alternatives}).second;
+  const Detection unambiguous = recognize_turned(kBehind, {Improvement::alternatives}).second;
   EXPECT_EQ(unambiguous.score, kernels::pose_probability(recognizer.score(), unambiguous.parts));
   EXPECT_TRUE(unambiguous.alternatives.empty());
   EXPECT_EQ(unambiguous.pose_share, 1);

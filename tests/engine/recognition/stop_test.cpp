@@ -61,8 +61,8 @@ class Stop : public test::TwoParts {
 
 TEST_F(Stop, EndsAtWhicheverCheckTheStopComes) {
   ASSERT_TRUE(recognize(0));  // builds the cached data
-  const auto whole = recognize(0);
-  ASSERT_TRUE(whole);
+  const auto complete = recognize(0);
+  ASSERT_TRUE(complete);
   const std::int64_t all = num_checks;
   RecordProperty("checks", static_cast<int>(all));
   RecordProperty("longest_ms", static_cast<int>(most_nanoseconds / 1'000'000));
@@ -81,11 +81,11 @@ TEST_F(Stop, EndsAtWhicheverCheckTheStopComes) {
   // No partial state is left behind.
   const auto after = recognize(0);
   ASSERT_TRUE(after);
-  ASSERT_EQ(after->detections.size(), whole->detections.size());
+  ASSERT_EQ(after->detections.size(), complete->detections.size());
   for (std::size_t d = 0; d < after->detections.size(); ++d) {
-    EXPECT_EQ(after->detections[d].score, whole->detections[d].score);
+    EXPECT_EQ(after->detections[d].score, complete->detections[d].score);
     EXPECT_EQ(after->detections[d].T_scene_model.matrix(),
-              whole->detections[d].T_scene_model.matrix());
+              complete->detections[d].T_scene_model.matrix());
   }
 }
 
@@ -109,7 +109,7 @@ TEST(ForChunks, ChecksBeforeEachGrainOnEveryThread) {
 TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
   std::stop_source source;
   const std::stop_token token = source.get_token();
-  std::atomic<int> num_done{0}, num_whole{0};
+  std::atomic<int> num_done{0}, num_complete{0};
   {
     const StopScope scope(&token);
     EXPECT_THROW(engine::for_each_index(1000,
@@ -118,11 +118,11 @@ TEST(ForChunks, LeavesWithWhatWasThrownFirstAndStopsNoOtherLoop) {
                                           // A nested loop still runs to its end.
                                           std::atomic<int> inner{0};
                                           engine::for_each_index(8, [&](std::size_t) { ++inner; });
-                                          num_whole += inner == 8;
+                                          num_complete += inner == 8;
                                           ++num_done;
                                         }),
                  std::bad_alloc);
-    EXPECT_EQ(num_whole, num_done);
+    EXPECT_EQ(num_complete, num_done);
     source.request_stop();
     EXPECT_THROW(engine::for_each_index(100, [](std::size_t) {}), Stopped);
   }

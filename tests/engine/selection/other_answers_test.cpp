@@ -83,11 +83,11 @@ class Siblings : public testing::Test {
 };
 
 TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotDistinguishThem) {
-  const std::vector<Detection> seen = found(both_, false);
-  ASSERT_FALSE(seen.empty());
-  EXPECT_EQ(seen[0].model, "short");
-  EXPECT_GT(seen[0].score, 0.9F);
-  EXPECT_TRUE(seen[0].siblings.empty()) << "its pin ends where that of the long one goes on";
+  const std::vector<Detection> detections = found(both_, false);
+  ASSERT_FALSE(detections.empty());
+  EXPECT_EQ(detections[0].model, "short");
+  EXPECT_GT(detections[0].score, 0.9F);
+  EXPECT_TRUE(detections[0].siblings.empty()) << "its pin ends where that of the long one goes on";
 
   const std::vector<Detection> hidden = found(both_, true), alone = found(one_, true);
   ASSERT_FALSE(hidden.empty());

@@ -121,7 +121,7 @@ class BopTruth : public testing::Test {
     ASSERT_EQ(views->size(), 1U);
     view_ = std::move(views->front());
   }
-  const BopInstance& told() const { return image_.instances[0]; }
+  const BopInstance& instance() const { return image_.instances[0]; }
   static int count(const std::vector<std::uint8_t>& mask) {
     EXPECT_EQ(mask.size(), std::size_t{kWidth} * kHeight);
     return static_cast<int>(std::count(mask.begin(), mask.end(), 255));
@@ -138,13 +138,13 @@ TEST_F(BopTruth, AgreesWithTheFormulasOfTheBenchmark) {
     const Expected expected = expect(pose, depths);
     describe(pose, depths);
     ASSERT_GT(expected.visible.num, 4);
-    EXPECT_EQ(told().px_count_all, expected.all.num);
-    EXPECT_EQ(told().px_count_valid, expected.num_valid);
-    EXPECT_EQ(told().px_count_visib, expected.visible.num);
-    EXPECT_DOUBLE_EQ(told().visib_fract,
+    EXPECT_EQ(instance().px_count_all, expected.all.num);
+    EXPECT_EQ(instance().px_count_valid, expected.num_valid);
+    EXPECT_EQ(instance().px_count_visib, expected.visible.num);
+    EXPECT_DOUBLE_EQ(instance().visib_fract,
                      expected.visible.num / static_cast<double>(expected.all.num));
-    EXPECT_EQ(told().bbox_obj, expected.all.box) << "beyond the image too";
-    EXPECT_EQ(told().bbox_visib, expected.visible.box);
+    EXPECT_EQ(instance().bbox_obj, expected.all.box) << "beyond the image too";
+    EXPECT_EQ(instance().bbox_visib, expected.visible.box);
     EXPECT_EQ(count(view_.mask), expected.num_inside);
     EXPECT_EQ(count(view_.mask_visible), expected.visible.num);
   }
@@ -152,23 +152,23 @@ TEST_F(BopTruth, AgreesWithTheFormulasOfTheBenchmark) {
 
 TEST_F(BopTruth, GivesNoBoxesOfHiddenObjects) {
   describe(pose_at(0, 0, 400), std::vector<std::uint16_t>(kWidth * kHeight, 600));  // 300 mm
-  EXPECT_GT(told().px_count_all, 10);
-  EXPECT_EQ(told().px_count_valid, told().px_count_all);
-  EXPECT_EQ(told().px_count_visib, 0);
-  EXPECT_EQ(told().visib_fract, 0);
-  EXPECT_EQ(told().bbox_obj, (std::array{-1, -1, -1, -1}));
-  EXPECT_EQ(told().bbox_visib, (std::array{-1, -1, -1, -1}));
+  EXPECT_GT(instance().px_count_all, 10);
+  EXPECT_EQ(instance().px_count_valid, instance().px_count_all);
+  EXPECT_EQ(instance().px_count_visib, 0);
+  EXPECT_EQ(instance().visib_fract, 0);
+  EXPECT_EQ(instance().bbox_obj, (std::array{-1, -1, -1, -1}));
+  EXPECT_EQ(instance().bbox_visib, (std::array{-1, -1, -1, -1}));
   EXPECT_EQ(count(view_.mask_visible), 0);
 }
 
 TEST_F(BopTruth, CountsWhatIsBeyondTheImage) {
   describe(pose_at(-320, 0, 400), std::vector<std::uint16_t>(kWidth * kHeight, 0));
-  EXPECT_GT(told().px_count_all, 10);
-  EXPECT_EQ(told().px_count_visib, 0);
-  EXPECT_EQ(told().bbox_obj[2], -1);
+  EXPECT_GT(instance().px_count_all, 10);
+  EXPECT_EQ(instance().px_count_visib, 0);
+  EXPECT_EQ(instance().bbox_obj[2], -1);
   describe(pose_at(0, 0, -400), std::vector<std::uint16_t>(kWidth * kHeight, 0));
-  EXPECT_EQ(told().px_count_all, 0) << "behind the camera";
-  EXPECT_EQ(told().visib_fract, 0);
+  EXPECT_EQ(instance().px_count_all, 0) << "behind the camera";
+  EXPECT_EQ(instance().visib_fract, 0);
 }
 
 }  // namespace

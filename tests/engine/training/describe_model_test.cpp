@@ -32,21 +32,21 @@ TEST(ResolutionFor, IsOneForModelsOfLikeSizeAndNearAnEightiethOfTheDiameter) {
 
 TEST(DescribeModel, DescribesTheVisibleSurfaceFromManySides) {
   const SurveyedModel model = surveyed(test::bracket());
-  const PointsView seen = model.samples.points;
+  const PointsView visible = model.samples.points;
   const Descriptions all = describe_model(model, {});
-  const kernels::VoxelHash samples(seen, 0.02F);
+  const kernels::VoxelHash samples(visible, 0.02F);
   std::size_t near = 0;
   for (std::size_t i = 0; i < all.size(); ++i)
     near += samples.nearest(all.keypoints[i], 0.01F).has_value();
   EXPECT_GT(near, all.size() * 98 / 100) << "on the surface";
   const kernels::VoxelHash keypoints(all.keypoints, 0.02F);
   std::size_t covered = 0, most = 0;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    const std::size_t around = keypoints.count_within(seen[i], 0.02F);
+  for (std::size_t i = 0; i < visible.size(); ++i) {
+    const std::size_t around = keypoints.count_within(visible[i], 0.02F);
     covered += around > 0;
     most = std::max(most, around);
   }
-  EXPECT_GT(covered, seen.size() * 95 / 100);
+  EXPECT_GT(covered, visible.size() * 95 / 100);
   EXPECT_GT(most, 100U) << "as several views show them";
 }
 

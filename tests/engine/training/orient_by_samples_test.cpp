@@ -22,16 +22,16 @@ struct Plate {
   Normals normals;
   std::vector<ViewMask> views;
 
-  Plate(bool above_seen, bool below_seen) {
+  Plate(bool visible_above, bool visible_below) {
     for (int i = -10; i <= 10; ++i) {
       for (int j = -10; j <= 10; ++j) {
         const Vector3f at(static_cast<float>(i) * kSpacing, static_cast<float>(j) * kSpacing, 0);
         samples.push_back(at);
         normals.push_back(kUp);
-        views.push_back(above_seen ? ViewMask{1} : ViewMask{});
+        views.push_back(visible_above ? ViewMask{1} : ViewMask{});
         samples.push_back(at + Vector3f(0.5F * kSpacing, 0.5F * kSpacing, -kThickness));
         normals.push_back(-kUp);
-        views.push_back(below_seen ? ViewMask{1} : ViewMask{});
+        views.push_back(visible_below ? ViewMask{1} : ViewMask{});
       }
     }
   }

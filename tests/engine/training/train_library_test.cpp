@@ -55,12 +55,12 @@ class TrainLibrary : public testing::Test {
   }
   /// The library from training everything again.
   std::string fresh(const std::vector<std::string>& names) const {
-    TrainRequest anew = request(names);
-    anew.file = folder_ / "fresh.h5";
-    fs::remove(anew.file);
-    const auto trained = train_library(anew);
+    TrainRequest fresh_request = request(names);
+    fresh_request.file = folder_ / "fresh.h5";
+    fs::remove(fresh_request.file);
+    const auto trained = train_library(fresh_request);
     EXPECT_TRUE(trained) << trained.error().message;
-    return test::read_bytes(anew.file);
+    return test::read_bytes(fresh_request.file);
   }
   std::string bytes() const { return test::read_bytes(file_); }
   bool has_parts() const { return fs::exists(engine::parts_folder(file_)); }
@@ -104,16 +104,16 @@ TEST_F(TrainLibrary, WritesTheSameBytesForAnyThreadsAndOrder) {
 }
 
 TEST_F(TrainLibrary, ReportsEachModelAndReadsBack) {
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   TrainProgress progress;
   progress.training.report = [&](std::size_t done, std::size_t total, std::string_view item) {
     EXPECT_EQ(total, 3U);
-    EXPECT_EQ(done, told.size());
-    told.emplace_back(item);
+    EXPECT_EQ(done, reported.size());
+    reported.emplace_back(item);
   };
   const auto report = train_library(request(), progress);
   ASSERT_TRUE(report) << report.error().message;
-  EXPECT_EQ(told.size(), 4U) << "and once at the beginning";
+  EXPECT_EQ(reported.size(), 4U) << "and once at the beginning";
   ASSERT_EQ(report->models.size(), 3U);
   EXPECT_EQ(report->models[0].name, "bracket");
   EXPECT_GT(report->models[0].num_triangles, 0U);

@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 /// Integer coordinates from 0 to 32, with both bounds among them: the lattice and all determinants
 /// in double are exact.
-Points whole_points(std::size_t n, test::Random& random) {
+Points integer_points(std::size_t n, test::Random& random) {
   Points points;
   points.push_back({0, 0, 0});
   points.push_back({32, 32, 32});
@@ -80,7 +80,7 @@ void expect_delaunay(const Delaunay& delaunay, PointsView points) {
 TEST(FindDelaunay, HasEmptyBallsAndFillsTheBox) {
   for (const std::size_t n : {2U, 3U, 4U, 5U, 20U, 200U}) {
     test::Random random(n);
-    const Points points = whole_points(n, random);
+    const Points points = integer_points(n, random);
     expect_delaunay(find_delaunay(points), points);
   }
 }
@@ -104,7 +104,7 @@ TEST(FindDelaunay, AcceptsGridsPlanesAndLines) {
 
 TEST(FindDelaunay, UsesEachPlaceOnceAndLeavesOutWhatIsNotFinite) {
   test::Random random;
-  Points points = whole_points(50, random);
+  Points points = integer_points(50, random);
   for (std::size_t i = 0; i < 50; ++i) points.push_back(points[i]);
   points.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
   const Delaunay delaunay = find_delaunay(points);

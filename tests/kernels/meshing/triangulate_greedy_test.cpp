@@ -159,17 +159,17 @@ TEST(TriangulateGreedy, CoversEveryPlaceOfASquareOnce) {
   for (std::size_t i = 0; i < kPlaces; ++i) {
     const float margin = 2 * cloud.spacing;  // the border is ragged
     const Vector3f p(random.uniform(margin, 1 - margin), random.uniform(margin, 1 - margin), 0);
-    std::size_t num_over = 0;
+    std::size_t num_covering = 0;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
       const Vector3f a = cloud.points[triangles.a[t]], b = cloud.points[triangles.b[t]],
                      c = cloud.points[triangles.c[t]];
       const auto side = [&](const Vector3f& from, const Vector3f& to) {
         return (to - from).cross(p - from).z();
       };
-      num_over += side(a, b) > 1e-9F && side(b, c) > 1e-9F && side(c, a) > 1e-9F;
+      num_covering += side(a, b) > 1e-9F && side(b, c) > 1e-9F && side(c, a) > 1e-9F;
     }
-    EXPECT_LE(num_over, 1U) << "triangles overlap at " << p.transpose();
-    num_open += num_over == 0;
+    EXPECT_LE(num_covering, 1U) << "triangles overlap at " << p.transpose();
+    num_open += num_covering == 0;
   }
   EXPECT_LT(share(num_open, kPlaces), 0.01);
 }

@@ -156,18 +156,17 @@ TEST(PpfTable, LeavesOutPairsWithoutACommonView) {
   Random random;
   const OrientedCloud model = clear_cloud(random, 60);
   std::vector<ViewMask> views(60, ViewMask{});
-  std::vector<std::vector<int>> seen_from(60);
+  std::vector<std::vector<int>> views_of(60);
   for (std::size_t i = 0; i < 60; ++i) {
     for (int k = 0; k < 20; ++k) {
       const int view = static_cast<int>(random.below(256));
-      seen_from[i].push_back(view);
+      views_of[i].push_back(view);
       views[i][static_cast<std::size_t>(view / 64)] |= std::uint64_t{1} << (view % 64);
     }
   }
   std::size_t kept = 0;
   const NaiveTable naive = naive_table(model, [&](std::uint32_t a, std::uint32_t b) {
-    const bool together =
-        std::ranges::find_first_of(seen_from[a], seen_from[b]) != seen_from[a].end();
+    const bool together = std::ranges::find_first_of(views_of[a], views_of[b]) != views_of[a].end();
     kept += together;
     return together;
   });

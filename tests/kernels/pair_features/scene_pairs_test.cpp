@@ -64,7 +64,8 @@ OrientedCloud clear_cloud(Random& random, std::size_t n, float share) {
 
 /// Every bin in which a component is looked up: its bin, and an adjacent one that it nearly falls
 /// in.
-std::vector<std::int64_t> looked_up(const reference::Bin& bin, double share, std::int64_t count) {
+std::vector<std::int64_t> looked_up_bins(const reference::Bin& bin, double share,
+                                         std::int64_t count) {
   std::vector<std::int64_t> bins{bin.index};
   if (bin.fraction < share && bin.index > 0) {
     bins.push_back(bin.index - 1);
@@ -84,10 +85,10 @@ Flags naive_votes(const OrientedCloud& cloud, double share) {
     const auto bins = reference::bins_of(f, kQuantization);
     const double turn = reference::turn_units(f.rotation);
     const std::int64_t turn_bin = reference::bin_of(turn, 65536.0 / kRotationBins).index;
-    for (const auto b0 : looked_up(bins[0], share, kQuantization.num_distance_bins)) {
-      for (const auto b1 : looked_up(bins[1], share, kQuantization.num_angle_bins)) {
-        for (const auto b2 : looked_up(bins[2], share, kQuantization.num_angle_bins)) {
-          for (const auto b3 : looked_up(bins[3], share, kQuantization.num_angle_bins)) {
+    for (const auto b0 : looked_up_bins(bins[0], share, kQuantization.num_distance_bins)) {
+      for (const auto b1 : looked_up_bins(bins[1], share, kQuantization.num_angle_bins)) {
+        for (const auto b2 : looked_up_bins(bins[2], share, kQuantization.num_angle_bins)) {
+          for (const auto b3 : looked_up_bins(bins[3], share, kQuantization.num_angle_bins)) {
             const auto cell = reference::cell_of_bins({b0, b1, b2, b3}, kQuantization);
             const auto [at, fresh] = flags.try_emplace({*cell, turn_bin}, turn);
             if (!fresh) at->second = std::min(at->second, turn);
@@ -119,15 +120,15 @@ TEST(SceneVotes, AreTheNeighborCellsOfTheNaiveEnumeration) {
 }
 
 TEST(SceneVotes, AreOneCellAtLeastAndSixteenAtMostForAPair) {
-  std::map<std::size_t, int> seen;
+  std::map<std::size_t, int> occurrences;
   for (std::uint64_t trial = 0; trial < 2000; ++trial) {
     Random random(trial);
     const OrientedCloud cloud = test::random_oriented(random, 2, 0.7F);
     const std::size_t count = collect(cloud, 0.3F).size();
-    ++seen[count];
+    ++occurrences[count];
   }
-  for (const std::size_t count : {1U, 2U, 4U, 8U, 16U}) EXPECT_GT(seen[count], 0) << count;
-  EXPECT_EQ(seen.size(), 5U);
+  for (const std::size_t count : {1U, 2U, 4U, 8U, 16U}) EXPECT_GT(occurrences[count], 0) << count;
+  EXPECT_EQ(occurrences.size(), 5U);
 }
 
 // A large flat region repeats the same pair, whose vote counts once.

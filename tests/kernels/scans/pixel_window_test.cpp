@@ -20,7 +20,7 @@ bool touches(std::uint32_t u, std::uint32_t v, const Vector3d& center, double ra
 
 TEST(WindowOfBall, HoldsEveryPixelThatShowsTheBall) {
   test::Random random;
-  int num_seen = 0;
+  int num_visible = 0;
   for (int round = 0; round < 300; ++round) {
     const auto z = static_cast<double>(random.uniform(-1, 4));
     const Vector3d center(static_cast<double>(random.uniform(-3, 3)),
@@ -32,12 +32,12 @@ TEST(WindowOfBall, HoldsEveryPixelThatShowsTheBall) {
     for (std::uint32_t v = 0; v < kHeight; ++v) {
       for (std::uint32_t u = 0; u < kWidth; ++u) {
         if (!touches(u, v, center, radius)) continue;
-        ++num_seen;
+        ++num_visible;
         EXPECT_TRUE(window.contains(u, v)) << u << ' ' << v << ", round " << round;
       }
     }
   }
-  EXPECT_GT(num_seen, 10000);
+  EXPECT_GT(num_visible, 10000);
 }
 
 // On the axis, the tangent of the ball's outline is that of asin(r / z): 60 * tan(asin(0.1)) =

@@ -50,12 +50,12 @@ TEST(RenderDepth, AgreesWithASphere) {
   const auto scene = RayScene::from_instances(instances);
   ASSERT_TRUE(scene);
   const Image image = render(*scene);
-  int seen = 0;
+  int num_hits = 0;
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
     const double expected =
         reference::ray_sphere(Vector3f::Zero(), pixel_ray(i), {0.2F, -0.1F, 3}, 0.5);
     if (expected < reference::kInfinity) {
-      ++seen;
+      ++num_hits;
       EXPECT_NEAR(image.depth[i], expected, 2e-3) << i;  // the last pixels graze the sphere
       EXPECT_EQ(image.instances[i], 0U);
     } else {
@@ -63,7 +63,7 @@ TEST(RenderDepth, AgreesWithASphere) {
       EXPECT_EQ(image.instances[i], Hit::kNone);
     }
   }
-  EXPECT_GT(seen, 200);
+  EXPECT_GT(num_hits, 200);
 }
 
 // On the plane n . p = h the depth is h / (n . ray), where the ray has z = 1.

@@ -267,17 +267,17 @@ TEST(SensorModel, IsTheSameInMetersAndMillimeters) {
 
 TEST(SensorModel, DetectsWavesByItsNoiseOnlyWhereNoPlaneDid) {
   const std::vector<SmoothPatch> patches(20, {0.8F, 1e-3F, 0.6F});
-  SensorModel told;
-  told.noise = 1e-3F;
-  told.correlated_noise = {5e-4F, 0.05F};
-  SensorModel untold = told;
-  untold.correlated_noise = {};
-  fit_sensor_model(patches, told);
-  fit_sensor_model(patches, untold);
-  EXPECT_EQ(told.correlated_noise.height, 5e-4F);
-  EXPECT_EQ(told.correlated_noise.slope_rad, 0.05F);
-  EXPECT_GT(untold.correlated_noise.height, untold.noise);
-  EXPECT_GT(untold.correlated_noise.slope_rad, 0);
+  SensorModel known;
+  known.noise = 1e-3F;
+  known.correlated_noise = {5e-4F, 0.05F};
+  SensorModel fitted = known;
+  fitted.correlated_noise = {};
+  fit_sensor_model(patches, known);
+  fit_sensor_model(patches, fitted);
+  EXPECT_EQ(known.correlated_noise.height, 5e-4F);
+  EXPECT_EQ(known.correlated_noise.slope_rad, 0.05F);
+  EXPECT_GT(fitted.correlated_noise.height, fitted.noise);
+  EXPECT_GT(fitted.correlated_noise.slope_rad, 0);
 }
 
 TEST(SensorModel, GrowsWithItsPowerOfRange) {

@@ -142,9 +142,9 @@ TEST(Solid, GradientIsThatOfCentralDifferences) {
       Vector3f slope, curve;
       for (int k = 0; k < 3; ++k) {
         const Vector3f step = kStep * Vector3f::Unit(k);
-        const float ahead = solid.distance(p + step), behind = solid.distance(p - step);
-        slope[k] = (ahead - behind) / (2 * kStep);
-        curve[k] = (ahead + behind - 2 * solid.distance(p)) / kStep;
+        const float forward = solid.distance(p + step), backward = solid.distance(p - step);
+        slope[k] = (forward - backward) / (2 * kStep);
+        curve[k] = (forward + backward - 2 * solid.distance(p)) / kStep;
       }
       if (curve.norm() > 0.02F) continue;  // a crease lies between
       ++num_smooth;

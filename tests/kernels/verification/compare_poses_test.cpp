@@ -46,7 +46,7 @@ const Pose kTruth = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.5F});
 const Pose kFlipped = kTruth * test::pose_of({0, 0, 3.1415927F}, {0, 0, 0});
 
 /// The depth image of clubs in front of a wall.
-RangeImage look(std::initializer_list<Pose> poses, float wall = 1.5F) {
+RangeImage render(std::initializer_list<Pose> poses, float wall = 1.5F) {
   return test::measure(camera(), club().surface, poses, wall);
 }
 
@@ -70,7 +70,7 @@ PoseComparison compare(const RangeImage& image, const Pose& a, const Pose& b,
 
 TEST(ComparePoses, DistinguishesAClubFromItsFlip) {
   test::Random random;
-  RangeImage image = look({kTruth});
+  RangeImage image = render({kTruth});
   add_noise(random, image);
   const PoseComparison c = compare(image, kTruth, kFlipped);
   EXPECT_GT(c.num_votes, 10);
@@ -80,7 +80,7 @@ TEST(ComparePoses, DistinguishesAClubFromItsFlip) {
 }
 
 TEST(ComparePoses, FindsNoDifferenceOfAPoseFromItself) {
-  const PoseComparison c = compare(look({kTruth}), kTruth, kTruth);
+  const PoseComparison c = compare(render({kTruth}), kTruth, kTruth);
   EXPECT_EQ(c.num_votes, 0);
   EXPECT_EQ(c.log_ratio, 0);
   EXPECT_EQ(c.z, 0);
@@ -100,7 +100,7 @@ Case random_case(test::Random& random) {
   };
   Case out;
   const Pose truth = test::pose_of(turn(), place());
-  out.image = look({truth, test::pose_of(turn(), place())}, between(0.8F, 1.2F));
+  out.image = render({truth, test::pose_of(turn(), place())}, between(0.8F, 1.2F));
   add_noise(random, out.image);
   for (std::size_t pixel = 0; pixel < out.image.depth.size(); ++pixel) {
     if (random.uniform(0, 1) < 0.1F) out.image.depth[pixel] = 0;
@@ -167,7 +167,7 @@ TEST(ComparePoses, DoesNotDependOnTheFrameOfTheScene) {
 TEST(ComparePoses, DistinguishesModelsWhereTheyDiffer) {
   const Club thicker(0.032F);
   test::Random random;
-  RangeImage image = look({kTruth});
+  RangeImage image = render({kTruth});
   add_noise(random, image);
   const auto decide = [&](const RangeImage& scan, bool swapped) {
     CompareScratch scratch;
@@ -175,10 +175,10 @@ TEST(ComparePoses, DistinguishesModelsWhereTheyDiffer) {
     return compare_poses({&scan, 1}, swapped ? wrong : right, swapped ? right : wrong, kErrors,
                          options(), scratch);
   };
-  const PoseComparison seen = decide(image, false), swapped = decide(image, true);
-  EXPECT_GT(seen.z, PoseComparison::kSignificant);
-  EXPECT_EQ(swapped.log_ratio, -seen.log_ratio);
-  EXPECT_EQ(swapped.num_votes, seen.num_votes);
+  const PoseComparison direct = decide(image, false), swapped = decide(image, true);
+  EXPECT_GT(direct.z, PoseComparison::kSignificant);
+  EXPECT_EQ(swapped.log_ratio, -direct.log_ratio);
+  EXPECT_EQ(swapped.num_votes, direct.num_votes);
 
   // Behind an occluder that hides the thicker end, both poses are indistinguishable.
   for (std::size_t i = 0; i < image.depth.size(); ++i) {
@@ -189,11 +189,11 @@ TEST(ComparePoses, DistinguishesModelsWhereTheyDiffer) {
     if (std::hypot(du, dv) < 16) image.depth[i] = 0.3F;
   }
   const PoseComparison hidden = decide(image, false);
-  EXPECT_LT(std::abs(hidden.log_ratio), 0.2 * seen.log_ratio);
+  EXPECT_LT(std::abs(hidden.log_ratio), 0.2 * direct.log_ratio);
 }
 
 TEST(ComparePoses, AddsUpOverImages) {
-  const std::array<RangeImage, 2> images{look({kTruth}), look({kTruth})};
+  const std::array<RangeImage, 2> images{render({kTruth}), render({kTruth})};
   CompareScratch scratch;
   const PoseComparison both =
       compare_poses(images, club().at(kTruth), club().at(kFlipped), kErrors, options(), scratch);
@@ -204,11 +204,11 @@ TEST(ComparePoses, AddsUpOverImages) {
 }
 
 TEST(ComparePoses, SaysNothingWhereTheDifferenceIsHiddenOrNotMeasured) {
-  RangeImage hidden = look({kTruth});
+  RangeImage hidden = render({kTruth});
   for (float& depth : hidden.depth) depth = std::min(depth, 0.3F);
   EXPECT_GT(compare(hidden, kTruth, kFlipped).num_votes, 10);
   EXPECT_EQ(compare(hidden, kTruth, kFlipped).z, 0);
-  RangeImage empty = look({kTruth});
+  RangeImage empty = render({kTruth});
   empty.depth.assign(empty.depth.size(), 0);
   EXPECT_EQ(compare(empty, kTruth, kFlipped).z, 0);
 }
@@ -217,9 +217,9 @@ TEST(ComparePoses, SaysNothingWhereTheDifferenceIsHiddenOrNotMeasured) {
 // sees. A part that a pose puts into the shadow is therefore evidence against the pose.
 TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
-  RangeImage image = look({kTruth});
+  RangeImage image = render({kTruth});
   const PoseComparison whole = compare(image, kTruth, aside);
-  const RangeImage bare = look({});
+  const RangeImage bare = render({});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
     if (image.depth[pixel] == bare.depth[pixel]) image.depth[pixel] = 0;
   const PoseComparison shadowed = compare(image, kTruth, aside);
@@ -229,8 +229,8 @@ TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
 
 // Smoothed over the width of a thin part, the depth has an error of many times the noise.
 TEST(ComparePoses, ForgivesBlendedDepthWhereNeighborsErrAlike) {
-  RangeImage image = look({kTruth});
-  const RangeImage bare = look({});
+  RangeImage image = render({kTruth});
+  const RangeImage bare = render({});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
     if (image.depth[pixel] != bare.depth[pixel]) image.depth[pixel] += 12 * kNoise;
   const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: no ray meets it
@@ -240,12 +240,12 @@ TEST(ComparePoses, ForgivesBlendedDepthWhereNeighborsErrAlike) {
 
 TEST(ComparePoses, CountsMeasurementsBehindTheModelAndPartsThatReachThroughATable) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.01F, 0});
-  const RangeImage image = look({kTruth});
+  const RangeImage image = render({kTruth});
   EXPECT_GT(compare(image, kTruth, aside).z, PoseComparison::kSignificant);
 
   // Both poses are hidden, but by a background plane, which cannot hide a pose.
   const Pose away = test::pose_of({0, 0, 0}, {0, 0, -1});  // behind the camera: no ray meets it
-  RangeImage table = look({}, 0.3F);
+  RangeImage table = render({}, 0.3F);
   EXPECT_EQ(compare(table, kTruth, away).z, 0);
   table.plane.assign(table.plane.size(), 1);
   EXPECT_LT(compare(table, kTruth, away).z, -PoseComparison::kSignificant);
@@ -255,7 +255,7 @@ TEST(ComparePoses, CountsMeasurementsBehindTheModelAndPartsThatReachThroughATabl
 TEST(ComparePoses, IsRarelySureWhereOnlyNoiseDiffers) {
   const Pose near = test::pose_of({0, 0, 0}, {0, 0, -0.0008F}) * kTruth;
   const Pose far = test::pose_of({0, 0, 0}, {0, 0, 0.0008F}) * kTruth;
-  const RangeImage exact = look({kTruth});
+  const RangeImage exact = render({kTruth});
   double sum = 0, squares = 0;
   constexpr int kTrials = 100;
   for (int trial = 0; trial < kTrials; ++trial) {
@@ -279,7 +279,7 @@ TEST(ComparePoses, IsRarelySureWhereOnlyNoiseDiffers) {
 // Waves over many pixels are one correlated error, not many independent ones.
 TEST(ComparePoses, IsNoSurerOfErrorsThatPixelsShare) {
   const Pose aside = kTruth * test::pose_of({0, 0, 0}, {0, 0.004F, 0});
-  const RangeImage image = look({kTruth});
+  const RangeImage image = render({kTruth});
   CompareScratch scratch;
   const auto decide = [&](int together) {
     return compare_poses({&image, 1}, club().at(kTruth), club().at(aside), {kNoise, together},
@@ -292,7 +292,7 @@ TEST(ComparePoses, IsNoSurerOfErrorsThatPixelsShare) {
 }
 
 TEST(ComparePoses, AllocatesNothingOnceItsMemoryIsThere) {
-  const RangeImage image = look({kTruth});
+  const RangeImage image = render({kTruth});
   CompareScratch scratch;
   const VerifyOptions verify = options();
   const auto run = [&] {

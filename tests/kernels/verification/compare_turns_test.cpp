@@ -40,7 +40,7 @@ struct Drum {
     return *RayScene::from_mesh(shape.vertices, shape.triangles);
   }
 
-  RangeImage look(const Pose& pose) const {
+  RangeImage render(const Pose& pose) const {
     const ImageGeometry camera{Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120};
     RangeImage image = test::measure(camera, surface, {&pose, 1}, 1.5F);
     test::Random random(7);
@@ -70,7 +70,7 @@ float apart(float a, float b, float period) { return std::abs(std::remainder(a -
 
 TEST(CompareTurns, FindsTheTurnThatTheScanShows) {
   const Drum drum(1);
-  const RangeImage image = drum.look(kFacing);
+  const RangeImage image = drum.render(kFacing);
   for (const float off : {0.0F, 3.0F, 50.0F, 181.0F, 333.0F}) {
     const Pose pose = kFacing * turn_about(kAxis, off * kDegree);
     const TurnComparison turns = drum.compare(image, pose, kFull);
@@ -82,7 +82,7 @@ TEST(CompareTurns, FindsTheTurnThatTheScanShows) {
 
 TEST(CompareTurns, ComparesOnePeriod) {
   const Drum drum(3);
-  const RangeImage image = drum.look(kFacing);
+  const RangeImage image = drum.render(kFacing);
   const TurnComparison turns = drum.compare(image, kFacing * turn_about(kAxis, 1.2F), kFull / 3);
   EXPECT_LT(apart(turns.best, -1.2F, kFull / 3), 1.5F * kDegree);
   EXPECT_LT(std::abs(turns.best), kFull / 3);
@@ -93,7 +93,7 @@ TEST(CompareTurns, ComparesOnePeriod) {
 
 TEST(CompareTurns, SharesTheLikelihoodAmongSimilarTurns) {
   const Drum drum(1);
-  const TurnComparison turns = drum.compare(drum.look(kAway), kAway, kFull);
+  const TurnComparison turns = drum.compare(drum.render(kAway), kAway, kFull);
   EXPECT_LT(turns.share, 0.2F) << "the knob is behind";
   EXPECT_GE(turns.others.size(), 8U);
   for (std::size_t i = 0; i < turns.others.size(); ++i) {
@@ -123,7 +123,7 @@ TEST(CompareTurns, ChoosesTheMiddleOfSimilarTurnsAndReportsTheirEnds) {
   constexpr float kHalf = 50 * kDegree, kKnob = 9 * kDegree;
   for (const float knob : {-25.0F, 0.0F, 30.0F}) {
     const Pose truth = kFacing * turn_about(kAxis, knob * kDegree);
-    const RangeImage image = hide(drum.look(truth), kFacing, -kHalf, kHalf);
+    const RangeImage image = hide(drum.render(truth), kFacing, -kHalf, kHalf);
     for (const float off : {0.0F, 2.3F}) {
       const TurnComparison turns =
           drum.compare(image, kFacing * turn_about(kAxis, off * kDegree), kFull);
@@ -138,7 +138,7 @@ TEST(CompareTurns, ChoosesTheMiddleOfSimilarTurnsAndReportsTheirEnds) {
 
 TEST(CompareTurns, KeepsThePoseWhereAllTurnsAreAlike) {
   const Drum drum(1);
-  RangeImage image = drum.look(kFacing);
+  RangeImage image = drum.render(kFacing);
   for (float& depth : image.depth) depth = 0.3F;  // hidden altogether
   for (const float period : {kFull, kFull / 3}) {
     const TurnComparison turns = drum.compare(image, kFacing, period);
@@ -152,7 +152,7 @@ TEST(CompareTurns, KeepsThePoseWhereAllTurnsAreAlike) {
 TEST(CompareTurns, AgreesWithASearchOfAllTurns) {
   const Drum drum(2);
   const Pose hidden = test::pose_of({1.4F, 0.6F, 0}, {0.02F, -0.01F, 0.5F});
-  const RangeImage image = drum.look(hidden);
+  const RangeImage image = drum.render(hidden);
   const Pose pose = hidden * turn_about(kAxis, 0.7F);
   const TurnComparison turns = drum.compare(image, pose, kFull / 2);
   double best = 0, all = 0, close = 0;

@@ -50,8 +50,8 @@ Body rod_of(float radius, float half_length) {
 ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
 
 /// The depth image of bodies in front of a wall.
-RangeImage look(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar,
-                const ImageGeometry& geometry = camera()) {
+RangeImage render(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar,
+                  const ImageGeometry& geometry = camera()) {
   RangeImage image;
   image.geometry = geometry;
   const std::size_t n = std::size_t{image.geometry.width} * image.geometry.height;
@@ -94,7 +94,7 @@ const Body& brick() {
 const Pose kCorner = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
 
 TEST(ExaminePose, FindsNothingAgainstTheTruth) {
-  const Examination e = examine(look({{&brick(), kCorner}}), brick(), kCorner);
+  const Examination e = examine(render({{&brick(), kCorner}}), brick(), kCorner);
   EXPECT_GT(e.consistent, 800);
   EXPECT_EQ(e.consistent, e.covered);
   EXPECT_EQ(e.violation + e.occluded + e.unknown + e.background + e.outside, 0);
@@ -107,17 +107,17 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
 }
 
 /// Expects the sums over single rays to equal the examination.
-void expect_told(const std::vector<JudgedRay>& rays, const Examination& e, std::uint32_t square) {
-  const auto told = [&](RayVerdict verdict) {
+void expect_sums(const std::vector<JudgedRay>& rays, const Examination& e, std::uint32_t square) {
+  const auto count_of = [&](RayVerdict verdict) {
     return static_cast<float>(std::ranges::count(rays, verdict, &JudgedRay::verdict));
   };
   const auto side = static_cast<float>(square);
-  EXPECT_EQ(side * side * told(RayVerdict::agrees), e.consistent);
-  EXPECT_EQ(side * side * told(RayVerdict::background), e.background);
-  EXPECT_EQ(side * side * told(RayVerdict::hidden), e.occluded);
-  EXPECT_EQ(side * side * told(RayVerdict::unmeasured), e.unknown);
-  EXPECT_GE(side * side * told(RayVerdict::looked_through) + 0.01F, e.violation);
-  EXPECT_EQ(side * told(RayVerdict::runs_on), e.outline_crossed);
+  EXPECT_EQ(side * side * count_of(RayVerdict::agrees), e.consistent);
+  EXPECT_EQ(side * side * count_of(RayVerdict::background), e.background);
+  EXPECT_EQ(side * side * count_of(RayVerdict::hidden), e.occluded);
+  EXPECT_EQ(side * side * count_of(RayVerdict::unmeasured), e.unknown);
+  EXPECT_GE(side * side * count_of(RayVerdict::looked_through) + 0.01F, e.violation);
+  EXPECT_EQ(side * count_of(RayVerdict::runs_on), e.outline_crossed);
 }
 
 // Boxes in front of and behind the model, with noise, holes and a labeled plane; crops of every
@@ -136,7 +136,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
         test::pose_of(turn(), {between(-0.1F, 0.1F), between(-0.1F, 0.1F), between(0.4F, 0.9F)});
     const Pose other =
         test::pose_of(turn(), {between(-0.15F, 0.15F), between(-0.15F, 0.15F), between(0.3F, 1)});
-    RangeImage image = look({{&body, truth}, {&brick(), other}}, between(0.7F, 1.2F));
+    RangeImage image = render({{&body, truth}, {&brick(), other}}, between(0.7F, 1.2F));
     for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
       image.depth[pixel] += random.normal(1e-3F);
       if (random.uniform(0, 1) < 0.05F) image.depth[pixel] = 0;
@@ -151,7 +151,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     if (trial % 4 > 1) options.edge_pixels = static_cast<int>(std::lround(between(2, 6)));
     std::vector<JudgedRay> rays;
     const Examination e = examine(image, body, pose, {}, &explained, options, &rays);
-    expect_told(rays, e, explained.square);
+    expect_sums(rays, e, explained.square);
     for (const JudgedRay& ray : rays) {
       const Vector3f gap =
           (pose.inverse() * ray.place).cwiseAbs() - Vector3f(body.shape.vertices[0]).cwiseAbs();
@@ -201,7 +201,7 @@ TEST(ExaminePose, MeasuresHowFarFromAPlaneTheVisiblePartIs) {
   const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Pose edge = test::pose_of({0.8F, 0, 0}, {0, 0, 0.6F});
   const auto relief = [](const Pose& pose) {
-    return examine(look({{&brick(), pose}}), brick(), pose).relief;
+    return examine(render({{&brick(), pose}}), brick(), pose).relief;
   };
   EXPECT_LT(relief(face), 0.05F);
   EXPECT_GT(relief(edge), 2);
@@ -211,7 +211,7 @@ TEST(ExaminePose, MeasuresHowFarFromAPlaneTheVisiblePartIs) {
 TEST(ExaminePose, DistinguishesSunkenFromHiddenParts) {
   const auto behind = [](float depth) {
     const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});
-    return examine(look({{&brick(), test::pose_of({0, 0, 0}, {0, 0, 0.6F})}}), brick(), pose);
+    return examine(render({{&brick(), test::pose_of({0, 0, 0}, {0, 0, 0.6F})}}), brick(), pose);
   };
   const Examination sunk = behind(3 * kTolerance), hidden = behind(10 * kTolerance);
   EXPECT_GT(sunk.sunk, 0.9F * sunk.covered);
@@ -221,7 +221,7 @@ TEST(ExaminePose, DistinguishesSunkenFromHiddenParts) {
 
 TEST(ExaminePose, DetectsAWrongTurnByTheSlopeOfResiduals) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  const RangeImage image = look({{&brick(), flat}});
+  const RangeImage image = render({{&brick(), flat}});
   for (const float angle : {0.01F, 0.02F}) {  // 0.1 m from the axis, still within the tolerance
     const Examination e = examine(image, brick(), test::pose_of({0, angle, 0}, {0, 0, 0.6F}));
     EXPECT_NEAR(e.slope, angle, 0.15F * angle);
@@ -231,7 +231,7 @@ TEST(ExaminePose, DetectsAWrongTurnByTheSlopeOfResiduals) {
 
 TEST(ExaminePose, AveragesNoiseAway) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  RangeImage image = look({{&brick(), flat}});
+  RangeImage image = render({{&brick(), flat}});
   test::Random random(7);
   for (float& depth : image.depth) depth += random.normal(1e-3F);
   const Examination e = examine(image, brick(), flat);
@@ -242,16 +242,16 @@ TEST(ExaminePose, AveragesNoiseAway) {
 TEST(ExaminePose, KnowsWhatHoldsAPose) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Body plate({0.3F, 0.3F, 0.04F});
-  const Examination face = examine(look({{&plate, flat}}), brick(), flat);
+  const Examination face = examine(render({{&plate, flat}}), brick(), flat);
   EXPECT_LT(face.stability, 1e-4F) << "one face slides";
-  const Examination corner = examine(look({{&brick(), kCorner}}), brick(), kCorner);
+  const Examination corner = examine(render({{&brick(), kCorner}}), brick(), kCorner);
   EXPECT_GT(corner.stability, 50 * face.stability + 1e-3F);
 
   // A rod's rotation is not tested where it is a symmetry.
   const Body rod = rod_of(0.03F, 0.08F);
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   const Pose tilted = test::pose_of({0.2F, 0.9F, 0}, {0.01F, 0.02F, 0.5F});
-  const RangeImage image = look({{&rod, tilted}});
+  const RangeImage image = render({{&rod, tilted}});
   const float asked = examine(image, rod, tilted).stability,
               open = examine(image, rod, tilted, axis).stability;
   EXPECT_LT(asked, 2e-3F);
@@ -261,7 +261,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
 // One face fixes neither two shifts nor a rotation; its outline does.
 TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasMeasured) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  const RangeImage image = look({{&brick(), flat}});
+  const RangeImage image = render({{&brick(), flat}});
   EXPECT_GT(examine(image, brick(), flat).stability, 0.005F);
 
   RangeImage unmeasured = image;
@@ -272,7 +272,7 @@ TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasMeasured) {
   EXPECT_LT(alone.stability, 1e-4F) << "what was not measured shows no edge";
 
   const Body frame({0.3F, 0.3F, 0.01F});  // nearer, with the face in its window
-  RangeImage framed = look({{&frame, test::pose_of({0, 0, 0}, {0, 0, 0.4F})}});
+  RangeImage framed = render({{&frame, test::pose_of({0, 0, 0}, {0, 0, 0.4F})}});
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
     if (image.depth[pixel] < kFar) framed.depth[pixel] = image.depth[pixel];
   EXPECT_LT(examine(framed, brick(), flat).stability, 1e-4F)
@@ -293,12 +293,14 @@ TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreVisible) {
     const auto stability = [&](const RangeImage& image, const Pose& at) {
       return examine(image, rod, at, axis).stability;
     };
-    const float open = stability(look({{&rod, pose}}), pose);
+    const float open = stability(render({{&rod, pose}}), pose);
     const float hidden = stability(
-        look({{&rod, pose}, {&screen, along(-0.1F, -0.1F)}, {&screen, along(0.1F, -0.1F)}}), pose);
-    const float half_hidden = stability(look({{&rod, pose}, {&screen, along(0.1F, -0.1F)}}), pose);
-    const float running_on = stability(look({{&longer, pose}}), pose);
-    const float slid = stability(look({{&longer, along(-0.2F, 0)}}), pose);
+        render({{&rod, pose}, {&screen, along(-0.1F, -0.1F)}, {&screen, along(0.1F, -0.1F)}}),
+        pose);
+    const float half_hidden =
+        stability(render({{&rod, pose}, {&screen, along(0.1F, -0.1F)}}), pose);
+    const float running_on = stability(render({{&longer, pose}}), pose);
+    const float slid = stability(render({{&longer, along(-0.2F, 0)}}), pose);
     EXPECT_GT(open, 0.01F);
     EXPECT_LT(hidden, 0.05F * open);
     EXPECT_GT(half_hidden, 0.3F * open) << "one end is enough";
@@ -309,7 +311,7 @@ TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreVisible) {
 
 TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   const Pose pose = test::pose_of({0.02F, 0.3F, 0.4F}, {0.02F, -0.01F, 0.6F});
-  const RangeImage image = look({{&brick(), pose}});
+  const RangeImage image = render({{&brick(), pose}});
   const float stability = examine(image, brick(), pose).stability;
   EXPECT_GT(stability, 0.001F);
 
@@ -319,7 +321,7 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
     for (float* c : {&fine.cx, &fine.cy}) *c = finer * (*c + 0.5F) - 0.5F;
     fine.width *= static_cast<std::uint32_t>(finer);
     fine.height *= static_cast<std::uint32_t>(finer);
-    EXPECT_NEAR(examine(look({{&brick(), pose}}, kFar, fine), brick(), pose).stability, stability,
+    EXPECT_NEAR(examine(render({{&brick(), pose}}, kFar, fine), brick(), pose).stability, stability,
                 0.2F * stability);
   }
 
@@ -351,11 +353,11 @@ TEST(ExaminePose, FindsWhereTheSceneRunsOn) {
   // The model is a part of a larger flat thing.
   const Body plate({0.3F, 0.3F, 0.04F});
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  const Examination e = examine(look({{&plate, flat}}), brick(), flat);
+  const Examination e = examine(render({{&plate, flat}}), brick(), flat);
   EXPECT_EQ(e.consistent, e.covered);
   EXPECT_EQ(e.outline_free, 0);
   EXPECT_GT(e.outline_crossed, 100);
-  RangeImage labeled = look({{&plate, flat}});
+  RangeImage labeled = render({{&plate, flat}});
   labeled.plane.assign(labeled.plane.size(), 1);
   labeled.near_plane = labeled.plane;
   const Examination table = examine(labeled, brick(), flat);
@@ -366,7 +368,7 @@ TEST(ExaminePose, FindsWhereTheSceneRunsOn) {
 /// A brick's face in a wall that rises from it towards the camera by `slope`. The slope builds up
 /// over the first `rounded` meters, like a sensor's rounded crease. A negative slope falls away.
 RangeImage face_in_wall(float slope, float rounded) {
-  RangeImage image = look({});
+  RangeImage image = render({});
   constexpr float kFace = 0.56F;
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
     const Vector3f p = image.geometry.back_project(pixel, kFace);
@@ -383,19 +385,19 @@ RangeImage face_in_wall(float slope, float rounded) {
 
 TEST(ExaminePose, DistinguishesTouchingFromContinuingSurfaces) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  const auto seen = [&](float slope, float rounded) {
+  const auto examine_slope = [&](float slope, float rounded) {
     return examine(face_in_wall(slope, rounded), brick(), flat);
   };
-  const Examination on = seen(0, 0);
+  const Examination on = examine_slope(0, 0);
   EXPECT_EQ(on.outline_touching, 0);
   EXPECT_GT(on.outline_crossed, 100);
-  const Examination touching = seen(0.63F, 0);
+  const Examination touching = examine_slope(0.63F, 0);
   EXPECT_EQ(touching.outline_crossed, 0);
   EXPECT_GT(touching.outline_touching, 0.4F * on.outline_crossed)
       << "the rest lies before the brick";
-  const Examination rounded = seen(0.8F, 0.02F);
+  const Examination rounded = examine_slope(0.8F, 0.02F);
   EXPECT_GT(rounded.outline_touching, 0.9F * on.outline_crossed) << "over five pixels";
-  const Examination edge = seen(-0.63F, 0);
+  const Examination edge = examine_slope(-0.63F, 0);
   EXPECT_EQ(edge.outline_touching, 0) << "a body's own edge bends away";
   EXPECT_GT(edge.outline_crossed, 0.4F * on.outline_crossed);
 }
@@ -403,7 +405,7 @@ TEST(ExaminePose, DistinguishesTouchingFromContinuingSurfaces) {
 // Scan errors over many pixels, wherever they lie, are no evidence against a pose.
 TEST(ExaminePose, SparesTheWavesOfTheScan) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  RangeImage image = look({{&brick(), flat}});
+  RangeImage image = render({{&brick(), flat}});
   constexpr float kHeight = 0.001F, kLength = 24;  // [pixel]
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
     const auto u = static_cast<float>(pixel % 160), v = static_cast<float>(pixel / 160);
@@ -439,18 +441,18 @@ TEST(ExaminePose, FindsWhereTheModelDipsBeneathTheScene) {
     }
     return image;
   };
-  const auto seen_with = [&](const Body& body, const Pose& pose) {
+  const auto buried_with = [&](const Body& body, const Pose& pose) {
     const Examination e =
-        examine(with_normals(look({{&brick(), straight}, {&body, pose}})), brick(), straight);
+        examine(with_normals(render({{&brick(), straight}, {&body, pose}})), brick(), straight);
     EXPECT_GT(e.consistent, 100);
     EXPECT_GT(e.occluded, 100);
     return e.buried;
   };
-  const RangeImage only_wall = with_normals(look({{&wall, slanted}}));
+  const RangeImage only_wall = with_normals(render({{&wall, slanted}}));
   EXPECT_GT(examine(only_wall, brick(), straight).buried, 20);
-  EXPECT_EQ(seen_with(cover, test::pose_of({0, 0, 0}, {0, 0.03F, 0.5F})), 0)
+  EXPECT_EQ(buried_with(cover, test::pose_of({0, 0, 0}, {0, 0.03F, 0.5F})), 0)
       << "what lies in front has an edge";
-  EXPECT_EQ(seen_with(wall, slanted), 0) << "and what leans on it makes a fold";
+  EXPECT_EQ(buried_with(wall, slanted), 0) << "and what leans on it makes a fold";
 }
 
 ExamineOptions blurred(int edge_pixels, float correlation = 0) {
@@ -463,7 +465,7 @@ ExamineOptions blurred(int edge_pixels, float correlation = 0) {
 // Cameras that match windows show outlines displaced by up to half a window.
 TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  const RangeImage image = look({{&brick(), flat}});
+  const RangeImage image = render({{&brick(), flat}});
   RangeImage shifted = image;
   for (std::size_t pixel = 3; pixel < image.depth.size(); ++pixel)
     shifted.depth[pixel] = image.depth[pixel - 3];
@@ -479,7 +481,7 @@ TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
 
 TEST(ExaminePose, FindsAHoleInTheMiddleAtAnyBlur) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
-  RangeImage image = look({{&brick(), flat}});
+  RangeImage image = render({{&brick(), flat}});
   constexpr int kLeft = 68, kTop = 50, kAcross = 24, kDown = 20, kEdge = 5;
   for (int v = kTop; v < kTop + kDown; ++v) {
     for (int u = kLeft; u < kLeft + kAcross; ++u)
@@ -499,7 +501,8 @@ TEST(ExaminePose, CountsAViolationMoreTheMoreItIsOne) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const auto at = [&](float tolerances, float correlation) {
     const Pose moved = test::pose_of({0, 0, 0}, {0, 0, 0.6F + tolerances * kTolerance});
-    return examine(look({{&brick(), moved}}), brick(), flat, {}, nullptr, blurred(0, correlation));
+    return examine(render({{&brick(), moved}}), brick(), flat, {}, nullptr,
+                   blurred(0, correlation));
   };
   const float whole = at(4, 0).violation;
   EXPECT_GT(whole, 1000);
@@ -517,7 +520,7 @@ TEST(ExaminePose, CountsAViolationMoreTheMoreItIsOne) {
 }
 
 TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
-  const RangeImage image = look({{&brick(), kCorner}});
+  const RangeImage image = render({{&brick(), kCorner}});
   for (const Vector3f& place : {Vector3f(0, 0, -1), Vector3f(3, 0, 0.6F)}) {
     const Examination e = examine(image, brick(), test::pose_of({0, 0, 0}, place));
     EXPECT_EQ(e.covered, 0);
@@ -529,7 +532,7 @@ TEST(ExaminePose, LeavesOutWhatIsBehindOrBeside) {
 }
 
 TEST(ExaminePose, AllocatesNothingOnceItsMemoryIsThere) {
-  const RangeImage image = look({{&brick(), kCorner}});
+  const RangeImage image = render({{&brick(), kCorner}});
   ExamineOptions options;
   options.verify.tolerance = kTolerance;
   ExamineScratch scratch;

@@ -10,7 +10,7 @@ namespace trivet::kernels {
 namespace {
 
 using test::left_half;
-using test::Seen;
+using test::PlacedSurface;
 using test::wall;
 
 constexpr std::array<std::uint8_t, 1> kBackground{1};
@@ -20,10 +20,10 @@ struct PlateScene {
   test::Solid solid = test::box_of({0.4, 0.3, 0.05});
   test::SampledModel plate = test::sampled_solid(solid, 0.03F, 0.5F);
   Pose pose = test::placed({0, 0, 3.05F});
-  Seen alone{test::moved(test::boundary(solid), pose)};
+  PlacedSurface alone{test::moved(test::boundary(solid), pose)};
   ContourScratch scratch;
 
-  Evidence judge(const std::vector<Seen>& surfaces, bool background = false) {
+  Evidence judge(const std::vector<PlacedSurface>& surfaces, bool background = false) {
     const ImageGeometry geometry{Pose::Identity(), 200, 200, 79.5F, 59.5F, 160, 120};
     const std::array images{test::render(geometry, surfaces)};
     return judge(images, background);
@@ -72,7 +72,8 @@ TEST(JudgeContour, DoesNotJudgeOutsideTheImageNorAtTheCamera) {
   const std::uint32_t whole = scene.judge({scene.alone}).contour_free;
   for (const auto& [x, y] : {std::pair{1.2F, 0.0F}, {-1.2F, 0.0F}, {0.0F, 0.9F}, {0.0F, -0.9F}}) {
     scene.pose = test::placed({x, y, 3.05F});  // its center is on the image's edge
-    const Evidence half = scene.judge({Seen{test::moved(test::boundary(scene.solid), scene.pose)}});
+    const Evidence half =
+        scene.judge({PlacedSurface{test::moved(test::boundary(scene.solid), scene.pose)}});
     EXPECT_NEAR(half.contour_free, whole / 2, whole / 8) << x << ' ' << y;
     EXPECT_EQ(half.contour_crossed, 0U);
   }

@@ -13,8 +13,8 @@ namespace trivet::kernels {
 namespace {
 
 using Eigen::Vector3f;
+using test::PlacedSurface;
 using test::Random;
-using test::Seen;
 
 constexpr double kDegree = reference::kPi / 180;
 
@@ -46,8 +46,8 @@ struct BoxScene {
     inner.diameter = model.diameter;
     model = std::move(inner);
   }
-  RangeImage see(const std::vector<Seen>& more = {}) const {
-    std::vector<Seen> surfaces{{test::moved(test::boundary(solid), in_camera)}};
+  RangeImage see(const std::vector<PlacedSurface>& more = {}) const {
+    std::vector<PlacedSurface> surfaces{{test::moved(test::boundary(solid), in_camera)}};
     surfaces.insert(surfaces.end(), more.begin(), more.end());
     return test::render({T_camera_scene, 400, 400, 159.5F, 119.5F, 320, 240}, surfaces);
   }

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector3f;
 using test::left_half;
-using test::Seen;
+using test::PlacedSurface;
 using test::wall;
 
 constexpr float kTolerance = 0.03F;  // a pixel is 0.015 wide at depth 3
@@ -29,10 +29,10 @@ ImageGeometry camera(const Pose& T_camera_scene = Pose::Identity()) {
 struct BallScene {
   test::SampledModel ball = test::sampled_sphere(3000, 0.5F);
   Pose truth = test::placed({0.1F, -0.05F, 3});
-  Seen seen{test::moved(test::sphere(0.5), truth)};
+  PlacedSurface surface{test::moved(test::sphere(0.5), truth)};
 
-  Evidence look(const std::vector<Seen>& surfaces, const Pose& pose,
-                bool background = false) const {
+  Evidence verify_surfaces(const std::vector<PlacedSurface>& surfaces, const Pose& pose,
+                           bool background = false) const {
     const std::array images{test::render(camera(), surfaces)};
     return verify(images, pose, background);
   }
@@ -57,9 +57,9 @@ Pose shifted(const Pose& pose, const Vector3f& by) {
 
 TEST(VerifyPose, ScoresTheTruePoseNearOne) {
   const BallScene scene;
-  for (const auto& surfaces : {std::vector{scene.seen}, std::vector{scene.seen, wall(3.5, 1)},
-                               std::vector{scene.seen, wall(6)}}) {
-    const Evidence e = scene.look(surfaces, scene.truth, true);
+  for (const auto& surfaces : {std::vector{scene.surface}, std::vector{scene.surface, wall(3.5, 1)},
+                               std::vector{scene.surface, wall(6)}}) {
+    const Evidence e = scene.verify_surfaces(surfaces, scene.truth, true);
     EXPECT_GT(e.visible, 800U);
     EXPECT_EQ(e.visible,
               e.consistent + e.oblique + e.violation + e.occluded + e.unknown + e.background);
@@ -85,7 +85,7 @@ TEST(VerifyPose, AgreesWithANaiveReference) {
                           2.0F * random.direction());
     };
     const Pose truth = place(0.8F, 3);
-    std::vector<Seen> surfaces{{test::moved(test::boundary(solid), truth)}, wall(3.3, 1)};
+    std::vector<PlacedSurface> surfaces{{test::moved(test::boundary(solid), truth)}, wall(3.3, 1)};
     surfaces.push_back({test::moved(test::sphere(0.3), place(1, 2.4F))});
     surfaces.push_back({test::moved(test::boundary(solid), place(1, 3.1F))});
     const Pose T_camera_scene = random.motion();
@@ -114,13 +114,13 @@ TEST(VerifyPose, AgreesWithANaiveReference) {
 
 TEST(VerifyPose, ScoresAMovedPoseLowerTheFartherItMoved) {
   const BallScene scene;
-  const std::vector surfaces{scene.seen, wall(3.5, 1)};
+  const std::vector surfaces{scene.surface, wall(3.5, 1)};
   for (const Vector3f& direction : {Vector3f(1, 0, 0), Vector3f(0, -1, 0), Vector3f(0, 0, 1),
                                     Vector3f(0, 0, -1), Vector3f(0.6F, 0, 0.8F)}) {
-    float last = scene.look(surfaces, scene.truth, true).score();
+    float last = scene.verify_surfaces(surfaces, scene.truth, true).score();
     for (const float distance : {0.02F, 0.06F, 0.15F, 0.4F}) {
       const float score =
-          scene.look(surfaces, shifted(scene.truth, distance * direction), true).score();
+          scene.verify_surfaces(surfaces, shifted(scene.truth, distance * direction), true).score();
       EXPECT_LT(score, last) << distance << " along " << direction.transpose();
       last = score;
     }
@@ -130,7 +130,7 @@ TEST(VerifyPose, ScoresAMovedPoseLowerTheFartherItMoved) {
 
 TEST(VerifyPose, CountsWhatSomethingNearerHides) {
   const BallScene scene;
-  const Evidence e = scene.look({scene.seen, left_half(2)}, scene.truth);
+  const Evidence e = scene.verify_surfaces({scene.surface, left_half(2)}, scene.truth);
   EXPECT_EQ(e.violation, 0U);
   EXPECT_EQ(e.unknown, 0U);
   EXPECT_NEAR(e.occluded, 0.37 * e.visible, 0.06 * e.visible);  // the ball is 0.1 to the right
@@ -141,7 +141,7 @@ TEST(VerifyPose, CountsWhatSomethingNearerHides) {
 TEST(VerifyPose, CountsMeasurementsBehindTheModel) {
   const BallScene scene;
   for (const bool background : {false, true}) {
-    const Evidence e = scene.look({wall(4, 1)}, scene.truth, background);
+    const Evidence e = scene.verify_surfaces({wall(4, 1)}, scene.truth, background);
     EXPECT_EQ(e.violation, e.visible);
     EXPECT_EQ(e.score(), 0);
   }
@@ -149,7 +149,7 @@ TEST(VerifyPose, CountsMeasurementsBehindTheModel) {
 
 TEST(VerifyPose, DoesNotJudgeMissingDepth) {
   const BallScene scene;
-  std::array images{test::render(camera(), {scene.seen})};
+  std::array images{test::render(camera(), {scene.surface})};
   for (std::size_t pixel = 0; pixel < images[0].depth.size(); ++pixel) {
     if (pixel % 160 < 86) images[0].depth[pixel] = 0;  // half of the ball
   }
@@ -158,7 +158,7 @@ TEST(VerifyPose, DoesNotJudgeMissingDepth) {
   EXPECT_EQ(e.violation + e.occluded, 0U);
   EXPECT_GT(e.support(), 0.93F);
   EXPECT_NEAR(e.visible_fraction(), 0.5, 0.05);
-  const Evidence blind = scene.look({}, scene.truth);
+  const Evidence blind = scene.verify_surfaces({}, scene.truth);
   EXPECT_EQ(blind.unknown, blind.visible);
   EXPECT_EQ(blind.score(), 0);
 }
@@ -166,12 +166,12 @@ TEST(VerifyPose, DoesNotJudgeMissingDepth) {
 TEST(VerifyPose, IsNeutralOutsideTheImage) {
   BallScene scene;
   scene.truth = test::placed({1.2F, 0, 3});  // its center is on the image's edge
-  const Seen ball{test::moved(test::sphere(0.5), scene.truth)};
-  const Evidence e = scene.look({ball}, scene.truth);
+  const PlacedSurface ball{test::moved(test::sphere(0.5), scene.truth)};
+  const Evidence e = scene.verify_surfaces({ball}, scene.truth);
   EXPECT_NEAR(e.outside, e.visible, 0.15 * e.visible);
   EXPECT_GT(e.visible_fraction(), 0.97F);
   EXPECT_GT(e.score(), 0.85F);
-  const Evidence behind = scene.look({ball}, test::placed({0, 0, -3}));
+  const Evidence behind = scene.verify_surfaces({ball}, test::placed({0, 0, -3}));
   EXPECT_EQ(behind.visible, 0U);
   EXPECT_EQ(behind.score(), 0);
 }
@@ -214,17 +214,17 @@ TEST(VerifyPose, LetsNothingReachThroughABackgroundPlane) {
   const BallScene scene;
   const Pose sunk = shifted(scene.truth, {0, 0, 0.35F});
   const std::vector surfaces{wall(3.0, 1)};
-  const Evidence in_front = scene.look(surfaces, sunk, false);
-  EXPECT_EQ(in_front.violation, scene.look({wall(3.0)}, sunk).violation);
+  const Evidence in_front = scene.verify_surfaces(surfaces, sunk, false);
+  EXPECT_EQ(in_front.violation, scene.verify_surfaces({wall(3.0)}, sunk).violation);
   EXPECT_GT(in_front.occluded, in_front.visible / 3);
-  const Evidence through = scene.look(surfaces, sunk, true);
+  const Evidence through = scene.verify_surfaces(surfaces, sunk, true);
   EXPECT_EQ(through.occluded, 0U);
   EXPECT_EQ(through.violation, in_front.violation + in_front.occluded);
 }
 
 TEST(VerifyPose, WantsNormalsToAgreeWhereThereAreAny) {
   const BallScene scene;
-  std::array images{test::render(camera(), {scene.seen})};
+  std::array images{test::render(camera(), {scene.surface})};
   const Evidence good = scene.verify(images, scene.truth);
   for (std::size_t pixel = 0; pixel < images[0].depth.size(); ++pixel) {
     images[0].normals.set(pixel, {0, 0, 1});  // away from the sensor
@@ -244,18 +244,20 @@ TEST(VerifyPose, WantsNormalsToAgreeWhereThereAreAny) {
 TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
   const BallScene scene;
   const Pose from_side = test::placed({0, 0, 3}, {0, 1.5707963F, 0}) * test::placed({0, 0, -3});
-  const Seen side_view{test::moved(test::sphere(0.5), from_side * scene.truth)};
-  const std::array images{test::render(camera(), {scene.seen}),
+  const PlacedSurface side_view{test::moved(test::sphere(0.5), from_side * scene.truth)};
+  const std::array images{test::render(camera(), {scene.surface}),
                           test::render(camera(from_side), {side_view}),
-                          test::render(camera(), {scene.seen})};
+                          test::render(camera(), {scene.surface})};
   VerifyOptions options;
   options.tolerance = kTolerance;
   std::vector<std::uint32_t> explained;
-  const auto look = [&](std::size_t first, std::size_t count, std::vector<std::uint32_t>* out) {
+  const auto verify_surfaces = [&](std::size_t first, std::size_t count,
+                                   std::vector<std::uint32_t>* out) {
     return verify_pose(std::span(images).subspan(first, count), scene.ball.view(), 3000,
                        scene.truth, options, out);
   };
-  const Evidence a = look(0, 1, nullptr), b = look(1, 1, nullptr), all = look(0, 3, &explained);
+  const Evidence a = verify_surfaces(0, 1, nullptr), b = verify_surfaces(1, 1, nullptr),
+                 all = verify_surfaces(0, 3, &explained);
   EXPECT_GT(b.consistent, 800U);
   EXPECT_EQ(all.visible, 2 * a.visible + b.visible);
   EXPECT_EQ(all.consistent, 2 * a.consistent + b.consistent);
@@ -274,7 +276,7 @@ TEST(VerifyPose, AddsUpOverImagesAndNamesTheExplainedPixels) {
 
 TEST(VerifyPose, UsesTheFirstSamplesOnly) {
   const BallScene scene;
-  const std::array images{test::render(camera(), {scene.seen})};
+  const std::array images{test::render(camera(), {scene.surface})};
   VerifyOptions options;
   options.tolerance = kTolerance;
   const Evidence e = verify_pose(images, scene.ball.view(), 300, scene.truth, options);
@@ -285,7 +287,7 @@ TEST(VerifyPose, UsesTheFirstSamplesOnly) {
 
 TEST(VerifyPose, AllocatesNothing) {
   const BallScene scene;
-  const std::array images{test::render(camera(), {scene.seen})};
+  const std::array images{test::render(camera(), {scene.surface})};
   VerifyOptions options;
   options.tolerance = kTolerance;
   std::vector<std::uint32_t> explained;

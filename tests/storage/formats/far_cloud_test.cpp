@@ -48,7 +48,7 @@ const std::string kPcd =
 struct File {
   const char* name;
   std::string bytes;
-  bool tells_sensor;
+  bool has_viewpoint;
 };
 std::vector<File> far_files() {
   const std::string sensor = fmt::format("{} {} {}\n", kSensor.x(), kSensor.y(), kSensor.z());
@@ -92,8 +92,8 @@ TEST_F(FarCloud, KeepsMillimetersInEveryFormat) {
       EXPECT_LT((p - kTriangleCorners[i]).cwiseAbs().maxCoeff(), 2.5e-7)
           << file.name << ", point " << i;
     }
-    ASSERT_EQ(cloud->viewpoint.has_value(), file.tells_sensor) << file.name;
-    if (file.tells_sensor) {
+    ASSERT_EQ(cloud->viewpoint.has_value(), file.has_viewpoint) << file.name;
+    if (file.has_viewpoint) {
       EXPECT_EQ(cloud->viewpoint->cast<double>() + cloud->offset, kSensor) << file.name;
     }
   }

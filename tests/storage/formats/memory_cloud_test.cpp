@@ -82,25 +82,25 @@ using CloudFromDepths = MemoryCloud;
 TEST_F(CloudFromPoints, IsTheCloudOfAFile) {
   const std::vector<float> xyz{0, 0, 0, 1.5F, kNaN, 2, 3, 4.25F, -5, 0.1F, 0.2F, INFINITY, 7, 8, 9};
   const std::vector<double> wide(xyz.begin(), xyz.end());
-  const auto taken = cloud_from_points(ArrayView::packed(xyz.data(), 5, 3));
-  ASSERT_TRUE(taken) << taken.error().message;
-  EXPECT_TRUE(test::is_valid(*taken));
-  EXPECT_EQ(taken->num_invalid, 2U);
-  EXPECT_TRUE(are_same(taken, read("f4.npy", npy_file("<f4", "(5, 3)", bytes_of(xyz)))));
+  const auto cloud = cloud_from_points(ArrayView::packed(xyz.data(), 5, 3));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_TRUE(test::is_valid(*cloud));
+  EXPECT_EQ(cloud->num_invalid, 2U);
+  EXPECT_TRUE(are_same(cloud, read("f4.npy", npy_file("<f4", "(5, 3)", bytes_of(xyz)))));
   EXPECT_TRUE(
-      are_same(taken, read("text.xyz", "0 0 0\n1.5 nan 2\n3 4.25 -5\n0.1 0.2 inf\n7 8 9\n")));
-  EXPECT_TRUE(are_same(cloud_from_points(ArrayView::packed(wide.data(), 5, 3)), taken));
-  EXPECT_TRUE(are_same(cloud_from_points(ArrayView::packed(xyz.data(), 1, 5, 3)), taken))
+      are_same(cloud, read("text.xyz", "0 0 0\n1.5 nan 2\n3 4.25 -5\n0.1 0.2 inf\n7 8 9\n")));
+  EXPECT_TRUE(are_same(cloud_from_points(ArrayView::packed(wide.data(), 5, 3)), cloud));
+  EXPECT_TRUE(are_same(cloud_from_points(ArrayView::packed(xyz.data(), 1, 5, 3)), cloud))
       << "a single row is a list of points";
 }
 
 TEST_F(CloudFromPoints, LosesNoDigitsFarFromZero) {
   const std::vector<double> xyz{512345.123, 5403210.987, 431.001, 512348.124, 5403210.988, 431.002,
                                 512345.125, 5403212.989, 432.503, 512346.626, 5403211.49,  430.004};
-  const auto taken = cloud_from_points(ArrayView::packed(xyz.data(), 4, 3));
-  ASSERT_TRUE(taken) << taken.error().message;
-  EXPECT_FALSE(taken->offset.isZero());
-  EXPECT_TRUE(are_same(taken, read("far.npy", npy_file("<f8", "(4, 3)", bytes_of(xyz)))));
+  const auto cloud = cloud_from_points(ArrayView::packed(xyz.data(), 4, 3));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_FALSE(cloud->offset.isZero());
+  EXPECT_TRUE(are_same(cloud, read("far.npy", npy_file("<f8", "(4, 3)", bytes_of(xyz)))));
   EXPECT_TRUE(is_refused_array(cloud_from_points(ArrayView::packed(xyz.data(), 4, 3),
                                                  {.name = "far points", .keep_origin = true}),
                                "far points: "));
@@ -112,17 +112,17 @@ TEST_F(CloudFromPoints, KeepsTheGridOfAnOrganizedCloud) {
   for (std::size_t i = 2; i < normals.size(); i += 3) normals[i] = -1;
   normals[0] = kNaN;
   const MemoryCloudOptions options{.normals = ArrayView::packed(normals.data(), 2, 3, 3)};
-  const auto taken = cloud_from_points(ArrayView::packed(xyz.data(), 2, 3, 3), options);
-  ASSERT_TRUE(taken) << taken.error().message;
-  ASSERT_TRUE(taken->grid);
-  EXPECT_TRUE(test::is_valid(*taken));
-  EXPECT_EQ(taken->grid->point_index, (Column<std::int32_t>{0, -1, 1, 2, -1, 3}));
+  const auto cloud = cloud_from_points(ArrayView::packed(xyz.data(), 2, 3, 3), options);
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  ASSERT_TRUE(cloud->grid);
+  EXPECT_TRUE(test::is_valid(*cloud));
+  EXPECT_EQ(cloud->grid->point_index, (Column<std::int32_t>{0, -1, 1, 2, -1, 3}));
   std::vector<float> both;
   for (std::size_t i = 0; i < 6; ++i) {
     both.insert(both.end(), &xyz[3 * i], &xyz[3 * i] + 3);
     both.insert(both.end(), &normals[3 * i], &normals[3 * i] + 3);
   }
-  EXPECT_TRUE(are_same(taken, read("grid.npy", npy_file("<f4", "(2, 3, 6)", bytes_of(both)))));
+  EXPECT_TRUE(are_same(cloud, read("grid.npy", npy_file("<f4", "(2, 3, 6)", bytes_of(both)))));
 }
 
 TEST_F(CloudFromPoints, AcceptsAnyStrides) {
@@ -148,24 +148,24 @@ TEST_F(CloudFromPoints, ReadsTrianglesAndDropsThoseOfDroppedPoints) {
   const std::vector<float> xyz{0, 0, 0, 1, 0, 0, 0, 1, 0, kNaN, 0, 0, 1, 1, 0};
   const std::vector<std::uint32_t> faces{0, 1, 2, 1, 3, 2, 1, 4, 2};
   const std::vector<std::int64_t> wide(faces.begin(), faces.end());
-  const auto take = [&](const ArrayView& triangles) {
+  const auto cloud_of = [&](const ArrayView& triangles) {
     return cloud_from_points(ArrayView::packed(xyz.data(), 5, 3), {.triangles = triangles});
   };
-  const auto taken = take(ArrayView::packed(faces.data(), 3, 3));
-  ASSERT_TRUE(taken) << taken.error().message;
-  EXPECT_TRUE(test::is_valid(*taken));
+  const auto cloud = cloud_of(ArrayView::packed(faces.data(), 3, 3));
+  ASSERT_TRUE(cloud) << cloud.error().message;
+  EXPECT_TRUE(test::is_valid(*cloud));
   EXPECT_TRUE(
-      are_same(taken, read("mesh.off",
+      are_same(cloud, read("mesh.off",
                            "OFF\n5 3 0\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n1 1 0\n3 0 1 2\n3 1 3 2\n"
                            "3 1 4 2\n")));
-  EXPECT_TRUE(are_same(take(ArrayView::packed(wide.data(), 3, 3)), taken));
+  EXPECT_TRUE(are_same(cloud_of(ArrayView::packed(wide.data(), 3, 3)), cloud));
   for (const std::int64_t wrong : {-1, 5}) {
     std::vector<std::int64_t> bad = wide;
     bad[4] = wrong;
-    EXPECT_TRUE(is_refused_array(take(ArrayView::packed(bad.data(), 3, 3)), "triangle 1"));
+    EXPECT_TRUE(is_refused_array(cloud_of(ArrayView::packed(bad.data(), 3, 3)), "triangle 1"));
   }
-  EXPECT_TRUE(is_usage(take(ArrayView::packed(faces.data(), 1, 4)), "(m, 3)"));
-  EXPECT_TRUE(take(ArrayView::packed<std::uint32_t>(nullptr, 0, 3)));
+  EXPECT_TRUE(is_usage(cloud_of(ArrayView::packed(faces.data(), 1, 4)), "(m, 3)"));
+  EXPECT_TRUE(cloud_of(ArrayView::packed<std::uint32_t>(nullptr, 0, 3)));
 }
 
 TEST_F(CloudFromPoints, RefusesWhatCannotBe) {

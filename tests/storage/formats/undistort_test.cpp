@@ -40,8 +40,8 @@ Eigen::Vector2d ray_of_pixel(const Camera& camera, double u, double v) {
 }
 
 /// The depth image of the surface z(x, y), whose pixels measure along their distorted rays.
-std::vector<float> take_image(const Camera& camera,
-                              const std::function<double(const Eigen::Vector2d&)>& z_along) {
+std::vector<float> render_image(const Camera& camera,
+                                const std::function<double(const Eigen::Vector2d&)>& z_along) {
   std::vector<float> image;
   for (std::uint32_t v = 0; v < kRows; ++v) {
     for (std::uint32_t u = 0; u < kColumns; ++u) {
@@ -72,7 +72,7 @@ TEST(Undistort, LeavesPlanesFlat) {
     Camera camera = bent_camera();
     camera.depth = kind;
     const std::vector<float> image =
-        take_image(camera, [&](const Eigen::Vector2d& ray) { return plane_z(n, ray); });
+        render_image(camera, [&](const Eigen::Vector2d& ray) { return plane_z(n, ray); });
     const Cloud cloud = read(image, camera);
     ASSERT_GT(cloud.points.size(), 0.9 * kColumns * kRows);
     double farthest = 0;
@@ -96,7 +96,7 @@ TEST(Undistort, LeavesPlanesFlat) {
 TEST(Undistort, PutsNothingBetweenTwoSurfaces) {
   const Camera camera = bent_camera();
   const auto step = [](const Eigen::Vector2d& ray) { return ray.norm() < 0.2 ? 0.6 : 0.7; };
-  const Cloud cloud = read(take_image(camera, step), camera);
+  const Cloud cloud = read(render_image(camera, step), camera);
   ASSERT_GT(cloud.points.size(), 0.9 * kColumns * kRows);
   std::size_t num_misplaced = 0;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {

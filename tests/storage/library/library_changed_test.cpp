@@ -66,8 +66,8 @@ TEST_F(LibraryChangedTest, IsReportedByNameAndStaysChanged) {
   ASSERT_TRUE(library && library->check_all());
   overwrite(bytes_);  // same bytes, but a reader may have seen others in between
   expect_changed(*library, file());
-  const Result<Library> anew = open_library(file());
-  EXPECT_TRUE(anew && anew->check_all() && anew->unchanged());
+  const Result<Library> reopened = open_library(file());
+  EXPECT_TRUE(reopened && reopened->check_all() && reopened->unchanged());
 }
 
 TEST_F(LibraryChangedTest, IsNoFaultOfTheProcessWhenItIsCutOff) {

@@ -107,8 +107,8 @@ TEST_F(LibraryContents, ShowDamageOfTheFileThatTheyDescribe) {
 }
 
 /// Reports the first model in a child process with a file size limit; returns the exit code.
-int tell_of_the_first(const fs::path& folder, const TriSpinBasis& basis, rlim_t limit,
-                      std::span<const Model> models) {
+int save_contents_of_first(const fs::path& folder, const TriSpinBasis& basis, rlim_t limit,
+                           std::span<const Model> models) {
   std::signal(SIGXFSZ, SIG_IGN);  // makes writes fail instead
   const rlimit room{limit, limit};
   ::setrlimit(RLIMIT_FSIZE, &room);
@@ -126,7 +126,7 @@ TEST_F(LibraryContents, ListTheModelsWrittenBeforeTheDiskWasFull) {
   const pid_t child = ::fork();
   ASSERT_GE(child, 0);
   if (child == 0)
-    std::exit(tell_of_the_first(folder(), basis_, 300'000, std::array{models_[0], large}));
+    std::exit(save_contents_of_first(folder(), basis_, 300'000, std::array{models_[0], large}));
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   ASSERT_TRUE(WIFEXITED(status));
