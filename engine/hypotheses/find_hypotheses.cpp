@@ -6,7 +6,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/pair_features/scene_pairs.hpp"
 #include "kernels/pair_features/vote.hpp"
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -51,8 +51,8 @@ PpfQuantization shared_quantization(const Library& library, std::span<const std:
     if (own.num_distance_bins > quantization.num_distance_bins) quantization = own;
   }
   quantization.num_distance_bins =
-      whole_number(std::ceil(radius * static_cast<float>(quantization.num_distance_bins)), 0U,
-                   quantization.num_distance_bins);
+      clamped_integer(std::ceil(radius * static_cast<float>(quantization.num_distance_bins)), 0U,
+                      quantization.num_distance_bins);
   return quantization;
 }
 

@@ -18,9 +18,9 @@
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
+#include "storage/common/clamped_integer.hpp"
 #include "storage/common/counted.hpp"
 #include "storage/common/stop.hpp"
-#include "storage/common/whole_number.hpp"
 #include "storage/data/bounding_box.hpp"
 #include "storage/data/file_pose.hpp"
 #include "storage/formats/keep_points.hpp"
@@ -162,7 +162,7 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   if (options.correlated_noise)
     scene.sensor.correlated_noise = kernels::measure_correlated_noise(
         image, scene.planes,
-        2 * whole_number(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
+        2 * clamped_integer(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
 
   // Planes of the image are in the camera's frame, those of the scene in its own.
   const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
@@ -238,7 +238,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
   const auto window =
-      whole_number(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
+      clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
   if (window != kNoiseWindow) estimate(window);
 
   scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
@@ -297,7 +297,7 @@ Normals cover_surface(const Triangles& triangles, PreparedScene& scene) {
   const double extent = static_cast<double>(bounding_box(scene.points).diagonal().norm());
   const double widest_spacing = 0.01 * extent;
   const std::size_t num_needed =
-      whole_number(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
+      clamped_integer(area / (widest_spacing * widest_spacing), std::size_t{0}, kMostSamples / 2);
   const bool shares_vertices =
       scene.points.size() <= triangles.size();  // otherwise points would coincide
   Normals normals;
@@ -508,8 +508,8 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
   }
 
   const std::size_t num_references =
-      whole_number(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
-                   std::size_t{0}, std::size_t{options.max_references});
+      clamped_integer(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
+                      std::size_t{0}, std::size_t{options.max_references});
   for (std::size_t k = 0; k < num_references; ++k) {
     level.references.push_back(
         static_cast<std::uint32_t>(k * level.points.size() / num_references));

@@ -12,7 +12,7 @@
 #include "engine/common/parallel.hpp"
 #include "kernels/common/voxel_hash.hpp"
 #include "kernels/pair_features/ppf_table.hpp"
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -134,7 +134,7 @@ Result<PairTable> build_pair_table(const SurveyedModel& model, const Symmetry& s
       references_first(symmetry, step, options.reference_spacing * step, surface);
   const std::vector<ViewMask> views = views_of_points(model, surface);
   const PpfQuantization quantization{
-      step, whole_number(std::ceil(model.diameter / step), 1U, kMostDistances),
+      step, clamped_integer(std::ceil(model.diameter / step), 1U, kMostDistances),
       options.num_angle_bins};
   const auto table = std::make_shared<const TableStorage>(
       fill_table({surface.points, surface.normals, views}, quantization, num_references));

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "kernels/scans/estimate_normals_grid.hpp"
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -47,8 +47,8 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
 
 kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {
   // In correlated noise, half a patch of the measurement windows errs alike.
-  const int window = 2 * whole_number(std::round(scene_.window), 0,
-                                      static_cast<int>(kernels::GridNormalOptions::kMaxWindow)) +
+  const int window = 2 * clamped_integer(std::round(scene_.window), 0,
+                                         static_cast<int>(kernels::GridNormalOptions::kMaxWindow)) +
                      1;
   const bool correlated = scene_.sensor.correlated_noise.height > kCorrelated * scene_.sensor.noise;
   return {error_at(pose), correlated ? static_cast<int>(kernels::kPatch / 2) * window : 3,

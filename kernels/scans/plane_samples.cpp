@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -19,8 +19,8 @@ PlaneSamples sample_for_planes(const RangeImage& image) {
   const ImageGeometry& geometry = image.geometry;
   const auto measured = std::ranges::count_if(image.depth, [](float depth) { return depth > 0; });
   const std::size_t stride =
-      whole_number(std::sqrt(static_cast<double>(measured) / kSamples), std::size_t{1},
-                   std::size_t{geometry.width} + geometry.height);
+      clamped_integer(std::sqrt(static_cast<double>(measured) / kSamples), std::size_t{1},
+                      std::size_t{geometry.width} + geometry.height);
   PlaneSamples samples;
   for (std::size_t v = stride / 2; v < geometry.height; v += stride) {
     for (std::size_t u = stride / 2; u < geometry.width; u += stride) {

@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "storage/common/clamped_integer.hpp"
 #include "storage/common/stop.hpp"
-#include "storage/common/whole_number.hpp"
 #include "storage/data/bounding_box.hpp"
 
 namespace trivet::kernels {
@@ -69,8 +69,8 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < tangents.size(); ++i) {
     check_stop();
-    const auto u = whole_number((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
-    const auto v = whole_number((tangents.y[i] - low.y()) / pitch, std::size_t{0}, kNone);
+    const auto u = clamped_integer((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
+    const auto v = clamped_integer((tangents.y[i] - low.y()) / pitch, std::size_t{0}, kNone);
     if (u >= width || v >= height || seen[v * width + u]) continue;
     seen[v * width + u] = true;
     ++occupied;
@@ -87,8 +87,8 @@ std::size_t count_places(PointsView tangents, const Eigen::Vector2f& low, float 
   std::vector<std::uint64_t> places(tangents.size());
   for (std::size_t i = 0; i < places.size(); ++i) {
     const float u = (tangents.x[i] - low.x()) / finest, v = (tangents.y[i] - low.y()) / finest;
-    places[i] = whole_number(kParts * u, std::uint64_t{0}, kMost) << 32U |
-                whole_number(kParts * v, std::uint64_t{0}, kMost);
+    places[i] = clamped_integer(kParts * u, std::uint64_t{0}, kMost) << 32U |
+                clamped_integer(kParts * v, std::uint64_t{0}, kMost);
   }
   std::sort(places.begin(), places.end());
   return static_cast<std::size_t>(std::unique(places.begin(), places.end()) - places.begin());
@@ -99,8 +99,8 @@ float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen:
                    float finest) {
   std::vector<bool> seen;
   const auto occupied_at = [&](float pitch) {
-    const auto width = whole_number(extent.x() / pitch, 0U, kMaxSide) + 1;
-    const auto height = whole_number(extent.y() / pitch, 0U, kMaxSide) + 1;
+    const auto width = clamped_integer(extent.x() / pitch, 0U, kMaxSide) + 1;
+    const auto height = clamped_integer(extent.y() / pitch, 0U, kMaxSide) + 1;
     return count_occupied(tangents, low, pitch, width, height, seen);
   };
 
@@ -161,8 +161,8 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
                                 static_cast<float>(1 / kLargestFocalLength));
   const float pitch = pixel_size > 0 ? std::max(finest, pixel_size / towards.norm())
                                      : shared_pitch(tangents, t_low, extent, finest);
-  geometry.width = whole_number(extent.x() / pitch, 0U, kMaxSide) + 3;
-  geometry.height = whole_number(extent.y() / pitch, 0U, kMaxSide) + 3;
+  geometry.width = clamped_integer(extent.x() / pitch, 0U, kMaxSide) + 3;
+  geometry.height = clamped_integer(extent.y() / pitch, 0U, kMaxSide) + 3;
   geometry.fx = geometry.fy = 1.0F / pitch;
   geometry.cx = 1.0F - t_low.x() / pitch;
   geometry.cy = 1.0F - t_low.y() / pitch;

@@ -6,8 +6,8 @@
 #include <unordered_map>
 
 #include "kernels/common/pose_math.hpp"
+#include "storage/common/clamped_integer.hpp"
 #include "storage/common/stop.hpp"
-#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -55,7 +55,7 @@ std::vector<Hypothesis> cluster_poses(std::span<const Hypothesis> hypotheses,
     const Eigen::Array3f scaled = (center / options.max_translation).array().floor();
     const auto cell = [](float coordinate) {
       constexpr std::int64_t kFarthest = std::int64_t{1} << 40;
-      return whole_number(coordinate, -kFarthest, kFarthest);
+      return clamped_integer(coordinate, -kFarthest, kFarthest);
     };
     const std::int64_t cx = cell(scaled.x()), cy = cell(scaled.y()), cz = cell(scaled.z());
 

@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "kernels/symmetry/turn_axis.hpp"
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -29,7 +29,7 @@ TurnComparison compare_turns(std::span<const RangeImage> images, const PosedMode
                          scratch)
         .log_ratio;
   };
-  const auto n = whole_number(std::round(period / kStep), kFewest, kMost);
+  const auto n = clamped_integer(std::round(period / kStep), kFewest, kMost);
   const float step = period / static_cast<float>(n);
   std::vector<float> angles(n);
   std::vector<double> logs(n, 0);

@@ -7,7 +7,7 @@
 
 #include "kernels/common/slope_fit.hpp"
 #include "kernels/verification/ray_crop.hpp"
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -153,8 +153,8 @@ class Examiner {
   /// Average the residuals over windows, and fit planes to them.
   void smooth(Sums& sums) {
     sum_up();
-    const int half =
-        whole_number(std::round(options_.window / static_cast<float>(crop_.stride)), 1, kMostReach);
+    const int half = clamped_integer(std::round(options_.window / static_cast<float>(crop_.stride)),
+                                     1, kMostReach);
     const double tolerance = static_cast<double>(options_.verify.tolerance);
     for (int j = 0; j < crop_.height; ++j) {
       for (int i = 0; i < crop_.width; ++i) {
@@ -302,7 +302,7 @@ class Examiner {
   /// ray that hits the model and the next one.
   int reach(float z) const noexcept {
     return crop_.stride - 1 +
-           std::max({3, edge_ + 1, whole_number(0.03F * diameter_ * g_.fx / z, 0, kMostReach)});
+           std::max({3, edge_ + 1, clamped_integer(0.03F * diameter_ * g_.fx / z, 0, kMostReach)});
   }
 
   /// Count the scene beyond a position of the outline; returns whether that is free.

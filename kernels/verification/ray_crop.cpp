@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -23,12 +23,13 @@ RayCrop::RayCrop(const PixelBox& box, int margin) noexcept {
   const float wide = box.u1 - box.u0, high = box.v1 - box.v0;
   // The camera is just outside the ball: its cone may have any width.
   constexpr int kMostPixels = 1 << 24;
-  stride = whole_number(std::ceil(std::max(wide, high) / kMaxSide), 1, kMostPixels);
+  stride = clamped_integer(std::ceil(std::max(wide, high) / kMaxSide), 1, kMostPixels);
   const auto rays = [&](float length) {
-    return whole_number(std::ceil(length / static_cast<float>(stride)), 0, kMaxSide) + 2 * margin;
+    return clamped_integer(std::ceil(length / static_cast<float>(stride)), 0, kMaxSide) +
+           2 * margin;
   };
   const auto middle = [](float from, float to) {
-    return whole_number(std::floor(0.5F * (from + to)), -kMostPixels, kMostPixels);
+    return clamped_integer(std::floor(0.5F * (from + to)), -kMostPixels, kMostPixels);
   };
   width = rays(wide);
   height = rays(high);

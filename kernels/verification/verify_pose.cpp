@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "kernels/verification/posed_samples.hpp"
+#include "storage/common/clamped_integer.hpp"
 #include "storage/common/simd.hpp"
-#include "storage/common/whole_number.hpp"
 
 namespace trivet::kernels {
 
@@ -251,7 +251,7 @@ OutlineGrid grid_around(const Eigen::Vector3f& center, float diameter, float spa
   OutlineGrid grid;
   grid.cell = std::max(1.0F, 0.8F * spacing * geometry.fx / center.z());
   const float needed = std::ceil(2 * diameter * geometry.fx / (center.z() * grid.cell));
-  grid.side = std::min(kOutlineSide, whole_number(needed, 0, kOutlineSide) + 8);
+  grid.side = std::min(kOutlineSide, clamped_integer(needed, 0, kOutlineSide) + 8);
   const float half = grid.cell * static_cast<float>(grid.side) / 2;
   grid.u0 = geometry.fx * center.x() / center.z() + geometry.cx - half;
   grid.v0 = geometry.fy * center.y() / center.z() + geometry.cy - half;

@@ -20,8 +20,8 @@ void CornerGrid::lay_out(const PlanePoint& low, const PlanePoint& high, std::siz
   const double side = std::max(std::sqrt(width / n * height), std::max(width, height) / n);
   if (num_corners < kFewCorners || !(side > 0) || !std::isfinite(side)) return;
   side_ = side;
-  columns_ = whole_number(width / side, std::size_t{0}, num_corners) + 1;
-  rows_ = whole_number(height / side, std::size_t{0}, num_corners) + 1;
+  columns_ = clamped_integer(width / side, std::size_t{0}, num_corners) + 1;
+  rows_ = clamped_integer(height / side, std::size_t{0}, num_corners) + 1;
 }
 
 CornerGrid::Reach CornerGrid::reach_in_row(std::size_t row, const PlanePoint& a,

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "storage/common/whole_number.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::formats {
 
@@ -68,10 +68,10 @@ class CornerGrid {
                      const PlanePoint& c) const;
 
   std::size_t column_of(double x) const {
-    return whole_number((x - low_.x) / side_, std::size_t{0}, columns_ - 1);
+    return clamped_integer((x - low_.x) / side_, std::size_t{0}, columns_ - 1);
   }
   std::size_t row_of(double y) const {
-    return whole_number((y - low_.y) / side_, std::size_t{0}, rows_ - 1);
+    return clamped_integer((y - low_.y) / side_, std::size_t{0}, rows_ - 1);
   }
   std::size_t cell_of(double x, double y) const { return row_of(y) * columns_ + column_of(x); }
 

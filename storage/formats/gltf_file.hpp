@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "storage/common/clamped_integer.hpp"
 #include "storage/common/result.hpp"
-#include "storage/common/whole_number.hpp"
 #include "storage/files/file.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/json_file.hpp"
@@ -45,7 +45,7 @@ class GltfAccessor {
   /// The value; normalized integers as fractions of the largest one (glTF 2.0, 3.11).
   double value(std::size_t element, std::size_t component) const noexcept;
   std::uint32_t index(std::size_t element) const noexcept {
-    return whole_number(value(element, 0), 0U, std::numeric_limits<std::uint32_t>::max());
+    return clamped_integer(value(element, 0), 0U, std::numeric_limits<std::uint32_t>::max());
   }
 
  private:

@@ -8,10 +8,10 @@ namespace trivet {
 /// The number truncated to an integer and clamped to [lowest, highest]; `lowest` for NaN. A count
 /// computed from a file or a pose may be infinite or 0/0. A plain conversion of those is undefined
 /// and mostly gives a huge number.
-template <std::integral Whole, std::floating_point Number>
-constexpr Whole whole_number(Number value, Whole lowest, Whole highest) noexcept {
+template <std::integral Integer, std::floating_point Number>
+constexpr Integer clamped_integer(Number value, Integer lowest, Integer highest) noexcept {
   if (!(value > static_cast<Number>(lowest))) return lowest;
-  return value < static_cast<Number>(highest) ? static_cast<Whole>(value) : highest;
+  return value < static_cast<Number>(highest) ? static_cast<Integer>(value) : highest;
 }
 
 }  // namespace trivet
