@@ -9,9 +9,9 @@
 #include <new>
 
 #include "storage/files/file.hpp"
+#include "storage/files/guess_content.hpp"
 #include "storage/files/input.hpp"
 #include "storage/files/json_text.hpp"
-#include "storage/files/looks_like.hpp"
 #include "storage/files/nearest_name.hpp"
 #include "storage/files/numbers.hpp"
 #include "storage/files/text.hpp"
@@ -281,7 +281,7 @@ Result<void> with_json(std::span<const std::byte> bytes, const std::string& name
   } catch (const JsonFault& fault) {
     return refuse(fault.message);
   } catch (const nlohmann::json::parse_error& fault) {
-    if (const formats::Appearance found = formats::looks_like(bytes);
+    if (const formats::ContentGuess found = formats::guess_content(bytes);
         found && found.extension != ".json")
       return refuse(fmt::format("expected JSON, found {}", found.what));
     return refuse(

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "storage/files/file.hpp"
+#include "storage/files/guess_content.hpp"
 #include "storage/files/gunzip.hpp"
 #include "storage/files/input.hpp"
-#include "storage/files/looks_like.hpp"
 #include "storage/files/text.hpp"
 #include "storage/formats/finish.hpp"
 #include "storage/formats/readers.hpp"
@@ -27,7 +27,7 @@ struct Format {
   Result<Cloud> (*read)(const formats::Input&);
   std::string_view begin;  ///< first bytes of every such file; empty: format not recognizable
   bool holds_clouds = true, holds_depths = false;
-  std::string_view looks{};  ///< extension of the recognized appearance, if different
+  std::string_view looks{};  ///< extension of the recognized content, if different
 };
 
 #ifdef TRIVET_BUILD_STEP
@@ -85,7 +85,7 @@ const Format* format_by_name(const std::filesystem::path& file) {
 
 /// If the file is evidently of another kind, report that kind instead of the first misplaced byte.
 Error explain(Error error, const Format& format, const formats::Input& input) {
-  const formats::Appearance found = formats::looks_like(input.bytes);
+  const formats::ContentGuess found = formats::guess_content(input.bytes);
   const std::string_view looks = format.looks.empty() ? format.extension : format.looks;
   if (!found || found.extension == fmt::format(".{}", looks)) return error;
   return input.refuse(fmt::format("expected a .{} file, found {}{}{}", format.extension, found.what,

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "storage/files/file.hpp"
-#include "storage/files/looks_like.hpp"
+#include "storage/files/guess_content.hpp"
 #include "storage/library/group_reader.hpp"
 #include "storage/library/library.hpp"
 #include "storage/library/library_checks.hpp"
@@ -88,7 +88,7 @@ Result<void> check_superblock(const fs::path& file, std::span<const std::byte> b
 
   if (bytes.size() < sizeof(kSignature) ||
       std::memcmp(bytes.data(), kSignature, sizeof(kSignature)) != 0) {
-    const formats::Appearance found = formats::looks_like(bytes);
+    const formats::ContentGuess found = formats::guess_content(bytes);
     return bad(
         fmt::format("expected a model library (HDF5), found {}; make one with `trivet train`",
                     found ? found.what : "another kind of file"));

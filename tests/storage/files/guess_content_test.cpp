@@ -1,6 +1,6 @@
 // A file whose content is recognized is refused with the name of its format, whatever its
 // extension.
-#include "storage/files/looks_like.hpp"
+#include "storage/files/guess_content.hpp"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ namespace {
 using namespace std::string_literals;
 
 std::string what(const std::string& bytes) {
-  return std::string(formats::looks_like(std::as_bytes(std::span(bytes))).what);
+  return std::string(formats::guess_content(std::as_bytes(std::span(bytes))).what);
 }
 
 std::string utf16(std::string_view text, bool big_endian, bool with_mark) {
@@ -30,7 +30,7 @@ const std::string kPage = "\n<!DOCTYPE html>\n<html><body>Sign in</body></html>\
 const std::string kPointer =
     "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
 
-TEST(LooksLike, RecognizesFrequentWrongInputs) {
+TEST(GuessContent, RecognizesFrequentWrongInputs) {
   EXPECT_EQ(what(kPage), "an HTML page");
   EXPECT_EQ(what("\xEF\xBB\xBF<HTML>"), "an HTML page");
   EXPECT_EQ(what(kPointer), "a pointer of Git LFS");
@@ -46,12 +46,12 @@ TEST(LooksLike, RecognizesFrequentWrongInputs) {
   }
 }
 
-TEST(LooksLike, SaysNothingOfWhatMayBeGeometry) {
+TEST(GuessContent, SaysNothingOfWhatMayBeGeometry) {
   for (const auto& text : {""s, "1 2 3\n"s, "v 0 0 0\n"s, "\x01\x02\x03"s, "1"s, "x,y,z\n1,2,3\n"s})
     EXPECT_EQ(what(text), "") << text;
 }
 
-TEST(LooksLike, IsReportedByEveryReader) {
+TEST(GuessContent, IsReportedByEveryReader) {
   const test::TempDir folder;
   for (const std::string extension :
        {".ply", ".pcd", ".obj", ".stl", ".off", ".xyz", ".txt", ".asc", ".csv", ".pts", ".png"}) {
@@ -67,7 +67,7 @@ TEST(LooksLike, IsReportedByEveryReader) {
   }
 }
 
-TEST(LooksLike, IsReportedForJsonFiles) {
+TEST(GuessContent, IsReportedForJsonFiles) {
   const test::TempDir folder;
   const auto read = with_json(folder.write("camera.json", kPage), [](const JsonNode&) {});
   ASSERT_FALSE(read);

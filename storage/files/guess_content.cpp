@@ -1,4 +1,4 @@
-#include "storage/files/looks_like.hpp"
+#include "storage/files/guess_content.hpp"
 
 #include <algorithm>
 
@@ -11,7 +11,7 @@ constexpr std::size_t kHeadBytes = 512;
 
 struct Signature {
   std::string_view begin;
-  Appearance appearance;
+  ContentGuess content;
 };
 
 /// First bytes of files of a kind.
@@ -66,12 +66,12 @@ bool is_utf16(std::string_view head) noexcept {
 
 }  // namespace
 
-Appearance looks_like(std::span<const std::byte> bytes) noexcept {
+ContentGuess guess_content(std::span<const std::byte> bytes) noexcept {
   const std::string_view all(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   const std::string_view head = all.substr(0, kHeadBytes);
   if (bytes.empty()) return {};
   for (const Signature& signature : kSignatures) {
-    if (head.starts_with(signature.begin)) return signature.appearance;
+    if (head.starts_with(signature.begin)) return signature.content;
   }
   if (is_utf16(head)) return {"text in UTF-16", "save it as UTF-8 or ASCII", {}};
   if (all.find_first_not_of('\0') == all.npos)

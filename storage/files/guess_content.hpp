@@ -7,7 +7,7 @@
 
 namespace trivet::formats {
 
-struct Appearance {
+struct ContentGuess {
   std::string_view what;       ///< "an HTML page"; empty for an unknown type
   std::string_view advice;     ///< advice for the user, may be empty
   std::string_view extension;  ///< extension that fits the type, ".ply"; may be empty
@@ -18,6 +18,6 @@ struct Appearance {
 /// Recognize frequent wrong inputs: web pages, pointer files, archives, pictures, text in another
 /// encoding, other geometry formats. Reads the first few hundred bytes, and all of a file of zeros
 /// or blanks.
-Appearance looks_like(std::span<const std::byte> bytes) noexcept;
+ContentGuess guess_content(std::span<const std::byte> bytes) noexcept;
 
 }  // namespace trivet::formats
