@@ -55,7 +55,7 @@ class Shelf {
     for (const RecognitionCell& cell : cells) ++num_left_[cell.library];
   }
 
-  Result<std::shared_ptr<const OpenLibrary>> take(std::size_t index) {
+  Result<std::shared_ptr<const OpenLibrary>> acquire(std::size_t index) {
     const std::lock_guard lock(mutex_);
     if (!open_[index]) {
       reset_peak();
@@ -69,7 +69,7 @@ class Shelf {
     return open_[index];
   }
   /// Release a library for one cell.
-  void give_back(std::size_t index) {
+  void release(std::size_t index) {
     const std::lock_guard lock(mutex_);
     if (--num_left_[index] == 0) open_[index].reset();
   }
@@ -109,13 +109,13 @@ Result<void> recognize_cells(std::span<const fs::path> libraries,
   const auto work = [&] {
     for (std::size_t i = next++; i < cells.size() && !progress.stop.stop_requested(); i = next++) {
       const RecognitionCell& cell = cells[i];
-      Result<std::shared_ptr<const OpenLibrary>> library = shelf.take(cell.library);
+      Result<std::shared_ptr<const OpenLibrary>> library = shelf.acquire(cell.library);
       if (!library) return fail(library.error());
       const Result<SceneResult> result = recognize_cell(**library, cell, progress.stop);
       if (!result) return fail(result.error());
       const LibraryUse use{(*library)->open_seconds, peak_bytes()};
       library->reset();
-      shelf.give_back(cell.library);
+      shelf.release(cell.library);
       const std::lock_guard lock(mutex);
       if (const Result<void> kept = emit(i, *result, use); !kept) {
         failure = kept.error();

@@ -42,8 +42,8 @@ Result<void> MatchSource::match(const MatchOptions& options, const MatchLevels& 
     const SceneSample sample =
         sample_for_models(library, scene_, level.resolution, models, large_planes_);
     matches_.push_back(match_features(library.basis, level, {scene_, sample, explained}, options,
-                                      [&] { recognizer_.give_back(); }));
-    recognizer_.give_back();
+                                      [&] { recognizer_.release_memory(); }));
+    recognizer_.release_memory();
   }
   return {};
 }

@@ -51,7 +51,7 @@ Result<std::vector<Proposals>> VoteSource::propose(const ModelGroups& models,
     for (std::size_t m = 0; m < of_step.size(); ++m)
       proposals.push_back({of_step[m], Source::ppf, std::move(voted.of_model[m])});
   }
-  recognizer_.give_back();
+  recognizer_.release_memory();
   return proposals;
 }
 

@@ -58,7 +58,7 @@ Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> mod
                       ? stopped(lock.file(), num_written + k, models.size())
                       : writer.add(**packed);
         if (!written) return false;
-        copy.library->give_back(kMostInMemory);
+        copy.library->release_memory(kMostInMemory);
         progress(num_written + k + 1, models.size(), copy.name);
         return true;
       });

@@ -52,7 +52,7 @@ class LevelFeatures {
           of_models_[p]->features.codes.subspan(row * num_components(), count * num_components());
       ask_for_pages(std::as_bytes(own));
       kernels::pad_codes(own, num_components(), codes.first(count * stride()));
-      give_back(own);
+      release(own);
       codes = codes.subspan(count * stride());
       first += count;
     }
@@ -80,10 +80,9 @@ class LevelFeatures {
         kernels::pad_codes(own.codes.subspan(row * num_components(), num_components()),
                            num_components(), rows.codes.subspan(to[i] * stride(), stride()));
       }
-      give_back(own.codes);
-      give_back<FrameRows>(own.frames);
-      for (const auto column : {own.keypoints.x, own.keypoints.y, own.keypoints.z})
-        give_back(column);
+      release(own.codes);
+      release<FrameRows>(own.frames);
+      for (const auto column : {own.keypoints.x, own.keypoints.y, own.keypoints.z}) release(column);
     });
   }
 
@@ -96,8 +95,8 @@ class LevelFeatures {
            1;
   }
   template <class T>
-  void give_back(std::span<const T> read) const noexcept {
-    give_back_around(std::as_bytes(read), mapped_);
+  void release(std::span<const T> read) const noexcept {
+    release_pages_around(std::as_bytes(read), mapped_);
   }
 
   std::span<const std::byte> mapped_;
@@ -184,7 +183,7 @@ class Indexer {
 
 /// Return freed memory of finished levels to the system. The allocator otherwise keeps tens of
 /// megabytes of it, interleaved with memory in use.
-void give_back_freed() noexcept {
+void release_freed_memory() noexcept {
 #if defined(__GLIBC__)
   ::malloc_trim(0);
 #endif
@@ -227,7 +226,7 @@ Result<void> add_index(LibraryWriter& writer, std::size_t piece_bytes) {
   return writer.add_index(
       [&](const WrittenFeatures& all, std::size_t k) {
         if (!indexer) indexer.emplace(all);
-        give_back_freed();
+        release_freed_memory();
         return indexer->level(k);
       },
       piece_bytes);

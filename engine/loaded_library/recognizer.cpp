@@ -72,8 +72,8 @@ Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint3
       [&] { return engine::find_look_alikes(library_, *frames, model); });
 }
 
-void Recognizer::give_back() const {
-  library_.give_back(memory_.bytes - memory_.bytes / kSurfaceShare);
+void Recognizer::release_memory() const {
+  library_.release_memory(memory_.bytes - memory_.bytes / kSurfaceShare);
 }
 
 }  // namespace trivet

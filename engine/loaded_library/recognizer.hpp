@@ -48,7 +48,7 @@ class Recognizer {
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;
   /// Release pages of the mapped file beyond the bound, between scenes and between levels of the
   /// index.
-  void give_back() const;
+  void release_memory() const;
 
  private:
   struct Parts;

@@ -173,7 +173,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
       engine::prepare_scene(cloud, input, stats.times, plan->prepare);
   if (!scene) return scene.error();
   const Result<engine::SearchResult> found = engine::search_scene(recognizer, *scene, *plan, stats);
-  recognizer.give_back();
+  recognizer.release_memory();
   if (!found) return found.error();
   if (cloud.camera && scene->images.size() == 1) {
     const StageTimer timer(stats.times, "check camera");

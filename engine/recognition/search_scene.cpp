@@ -247,7 +247,7 @@ std::vector<Row> SceneSearch::choose_to_examine(std::span<const Row> rows) {
 
 Result<void> SceneSearch::examine(std::span<const Row> rows) {
   const Result<std::vector<Row>> within = verifier_.examine(table_, rows);
-  recognizer_.give_back();
+  recognizer_.release_memory();
   if (!within) return within.error();
   stats_.num_examined += rows.size();
   tested_.insert(tested_.end(), within->begin(), within->end());

@@ -140,7 +140,7 @@ Result<void> PartWriter::close() {
   if (!part_) return {};
   const Result<void> published = part_->publish(Outlasts::process);
   part_.reset();
-  if (published) give_back_file(part_of(folder_, writer_, num_parts_));
+  if (published) release_cached_file(part_of(folder_, writer_, num_parts_));
   return published;
 }
 

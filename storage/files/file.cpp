@@ -41,7 +41,7 @@ std::string pending_prefix(const std::filesystem::path& target) {
 
 /// Copy mode, owner and group from the file to be replaced, as far as this process may. Users who
 /// could not read the old file cannot read the new one.
-void take_over_rights(int descriptor, const std::filesystem::path& target) noexcept {
+void copy_permissions(int descriptor, const std::filesystem::path& target) noexcept {
   struct stat before {
   }, mine{};
   if (::stat(target.c_str(), &before) != 0 || ::fstat(descriptor, &mine) != 0) return;
@@ -77,21 +77,22 @@ void advise(std::span<const std::byte> mapped, int advice) noexcept {
 
 void ask_for_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_WILLNEED); }
 
-void give_back_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_DONTNEED); }
+void release_pages(std::span<const std::byte> mapped) noexcept { advise(mapped, MADV_DONTNEED); }
 
 // When one byte is read, Linux maps the 64 KiB around it, or a whole large folio, of which it may
 // have read up to 2 MiB at once.
-void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept {
+void release_pages_around(std::span<const std::byte> read,
+                          std::span<const std::byte> mapped) noexcept {
   constexpr std::size_t kAround = std::size_t{2} << 20U;
   const auto at = [](const std::byte* byte) { return reinterpret_cast<std::uintptr_t>(byte); };
   if (read.empty() || at(read.data()) < at(mapped.data())) return;
   const std::size_t first = at(read.data()) - at(mapped.data()), end = first + read.size();
   if (end > mapped.size()) return;
   const std::size_t from = first - std::min(first, kAround);
-  give_back_pages(mapped.subspan(from, std::min(end + kAround, mapped.size()) - from));
+  release_pages(mapped.subspan(from, std::min(end + kAround, mapped.size()) - from));
 }
 
-void give_back_file(const std::filesystem::path& file) noexcept {
+void release_cached_file(const std::filesystem::path& file) noexcept {
   const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (opened) (void)::posix_fadvise(opened.get(), 0, 0, POSIX_FADV_DONTNEED);
 }
@@ -135,12 +136,12 @@ Result<PendingFile> PendingFile::create_lasting(const std::filesystem::path& tar
 }
 
 // Errors here are reported by fsync.
-void PendingFile::start_writing_back() const noexcept {
+void PendingFile::start_writeback() const noexcept {
   [[maybe_unused]] const int ignored = ::sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);
 }
 
 Result<void> PendingFile::publish(Outlasts end) {
-  if (end == Outlasts::process) start_writing_back();
+  if (end == Outlasts::process) start_writeback();
   if (end == Outlasts::power_failure && ::fsync(descriptor_) != 0) {
     Error error{
         write_error(errno, ErrorCode::io),
@@ -148,7 +149,7 @@ Result<void> PendingFile::publish(Outlasts end) {
     give_up();
     return error;
   }
-  take_over_rights(descriptor_, target_);
+  copy_permissions(descriptor_, target_);
   if (::rename(name_.c_str(), target_.c_str()) != 0) {
     Error error = cannot_create(target_);
     give_up();
@@ -243,7 +244,7 @@ Xxh3 xxh3_of_mapped(std::span<const std::byte> bytes) {
   for (std::size_t from = 0; from < bytes.size(); from += kPiece) {
     const auto piece = bytes.subspan(from, std::min(kPiece, bytes.size() - from));
     (void)XXH3_128bits_update(state.get(), piece.data(), piece.size());
-    give_back_pages(piece);
+    release_pages(piece);
   }
   const XXH128_hash_t hash = XXH3_128bits_digest(state.get());
   return {hash.high64, hash.low64};

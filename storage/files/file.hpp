@@ -72,14 +72,15 @@ Result<std::string> read_text_file(const std::filesystem::path& file, std::uint6
 void ask_for_pages(std::span<const std::byte> mapped) noexcept;
 
 /// Release the pages of a mapping; reading them again loads them from the file.
-void give_back_pages(std::span<const std::byte> mapped) noexcept;
+void release_pages(std::span<const std::byte> mapped) noexcept;
 /// Release the pages around some bytes of a mapping, including those that the system read ahead.
 /// Bytes outside the mapping stay.
-void give_back_around(std::span<const std::byte> read, std::span<const std::byte> mapped) noexcept;
+void release_pages_around(std::span<const std::byte> read,
+                          std::span<const std::byte> mapped) noexcept;
 
 /// Release the page cache of a file that is on the disk and is unlikely to be read soon, so that it
 /// does not displace other data.
-void give_back_file(const std::filesystem::path& file) noexcept;
+void release_cached_file(const std::filesystem::path& file) noexcept;
 
 /// Read from an open descriptor until its end. `name` stands for it in messages.
 /// Errors: bad_data (more than max_bytes), io.
@@ -118,7 +119,7 @@ class PendingFile {
   bool pending() const noexcept { return descriptor_ >= 0; }  ///< neither published nor given up
 
   /// Start writing data back to the disk, so that publish() of a large file waits only briefly.
-  void start_writing_back() const noexcept;
+  void start_writeback() const noexcept;
   /// fsync, rename, fsync the folder. If the file need only survive the process, nothing waits for
   /// the disk. Errors: cannot_create (rename), io.
   Result<void> publish(Outlasts end = Outlasts::power_failure);

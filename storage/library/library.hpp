@@ -45,7 +45,7 @@ struct NamesToCome {
 /// The features of all models of a library being written, by the models' names.
 struct WrittenFeatures {
   std::span<const FeaturesOfModel> of_models;
-  std::span<const std::byte> mapped;  ///< mapped file with the features: see give_back_around
+  std::span<const std::byte> mapped;  ///< mapped file with the features: see release_pages_around
 };
 
 /// A model ready to be written to a library: checked, in columns with their checksums.
@@ -151,7 +151,7 @@ struct Library {
   Result<void> check_all() const;
   /// Release the memory of the file's pages if all mappings of the process exceed this size. Pages
   /// are loaded again when needed.
-  void give_back(std::uint64_t more_than) const;
+  void release_memory(std::uint64_t more_than) const;
 };
 
 /// Open a library as a mapped file. Structure, extents and metadata of all models are checked.

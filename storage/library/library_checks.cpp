@@ -64,7 +64,7 @@ bool LibraryChecks::is_still_good() const {
     if (!good_levels_[level]) continue;
     for (const StoredColumn& column : levels_[level]) {
       if (!has_checksum(column)) return false;
-      if (held_ == Held::mapped) give_back_pages(bytes_of(column));
+      if (held_ == Held::mapped) release_pages(bytes_of(column));
     }
   }
   return true;
@@ -119,7 +119,7 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
   }
   // A scene reads only a few of the lists.
   if (held_ == Held::mapped) {
-    for (const StoredColumn& column : levels_[index]) give_back_pages(bytes_of(column));
+    for (const StoredColumn& column : levels_[index]) release_pages(bytes_of(column));
   }
   good.store(true, std::memory_order_release);
   return {};
@@ -133,8 +133,8 @@ void LibraryChecks::ask_for(std::size_t index, ModelPart part) const noexcept {
   }
 }
 
-void LibraryChecks::give_back() const noexcept {
-  if (held_ == Held::mapped) give_back_pages(file_bytes_.bytes);
+void LibraryChecks::release_memory() const noexcept {
+  if (held_ == Held::mapped) release_pages(file_bytes_.bytes);
 }
 
 Result<void> Library::check(std::uint32_t model, ModelPart part) const {
@@ -166,8 +166,8 @@ void Library::ask_for(std::uint32_t model, ModelPart part) const noexcept {
   if (checks) checks->ask_for(model, part);
 }
 
-void Library::give_back(std::uint64_t more_than) const {
-  if (checks && mapped_bytes_in_memory() > more_than) checks->give_back();
+void Library::release_memory(std::uint64_t more_than) const {
+  if (checks && mapped_bytes_in_memory() > more_than) checks->release_memory();
 }
 
 }  // namespace trivet

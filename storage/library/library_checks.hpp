@@ -42,7 +42,7 @@ class LibraryChecks {
   /// See Library::ask_for.
   void ask_for(std::size_t index, ModelPart part) const noexcept;
   /// Release the pages of all bytes that are mapped.
-  void give_back() const noexcept;
+  void release_memory() const noexcept;
 
  private:
   using ModelColumns = std::array<StoredColumn, format::kModelColumns.size()>;

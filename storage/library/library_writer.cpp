@@ -245,7 +245,7 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
   hdf5::start();
   try {
     if (state_->write(packed)) {
-      state_->file.start_writing_back();
+      state_->file.start_writeback();
       return {};
     }
   } catch (const std::bad_alloc&) {  // half a model is in the file: as bad as a partial write
@@ -302,7 +302,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
     const std::string name = fmt::format("{:02}", k);
     StoredGroup& stored = described.groups[name];
     const Result<void> written = write_level(*level, name, group.get(), place, stored);
-    state.file.start_writing_back();
+    state.file.start_writeback();
     if (written) continue;
     if (written.error().code != ErrorCode::io) return written;
     return state.fail(fmt::format("level {} of the index, of {} features", k, level->size()));

@@ -86,7 +86,7 @@ class FeatureDatasets {
       if (dataset.offset + dataset.bytes > mapped->bytes().size()) return false;
       const auto bytes = mapped->bytes().subspan(dataset.offset, dataset.bytes);
       const StoredAttribute sum = hdf5::attribute(xxh3_of_mapped(bytes).hex());
-      give_back_pages(bytes);
+      release_pages(bytes);
       dataset.attributes.at(std::string(format::kDataChecksum)) = sum;
       if (!hdf5::rewrite_attribute(datasets_[c].get(), std::string(format::kDataChecksum), sum))
         return false;

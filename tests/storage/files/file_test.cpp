@@ -73,7 +73,7 @@ TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
   EXPECT_EQ(count_files(folder.path()), 1);
 }
 
-TEST(GiveBackAround, LeavesAllBytesAsTheyWere) {
+TEST(ReleasePagesAround, LeavesAllBytesAsTheyWere) {
   const test::TempDir folder;
   std::string text(300'000, 'a');
   for (std::size_t i = 0; i < text.size(); ++i) text[i] = static_cast<char>('a' + i / 1000 % 26);
@@ -81,13 +81,13 @@ TEST(GiveBackAround, LeavesAllBytesAsTheyWere) {
   ASSERT_TRUE(mapped);
   const auto bytes = mapped->bytes();
   for (const std::size_t first : {std::size_t{0}, std::size_t{100'001}, std::size_t{299'999}})
-    give_back_around(bytes.subspan(first, 1), bytes);
-  give_back_around(bytes, bytes);
+    release_pages_around(bytes.subspan(first, 1), bytes);
+  release_pages_around(bytes, bytes);
   EXPECT_TRUE(std::ranges::equal(bytes, std::as_bytes(std::span(text))));
 
   std::vector<std::byte> elsewhere(300'000, std::byte{5});  // would hold zeros if it were returned
-  give_back_around(elsewhere, bytes);
-  give_back_around(elsewhere, {});
+  release_pages_around(elsewhere, bytes);
+  release_pages_around(elsewhere, {});
   EXPECT_TRUE(std::ranges::all_of(elsewhere, [](std::byte b) { return b == std::byte{5}; }));
 }
 
