@@ -90,7 +90,7 @@ class Account {
       : run_(std::move(run)), progress_(progress) {
     if (!run_) return;
     places_ = places_of(run_->sources());
-    num_done_ = run_->num_taken_over();
+    num_done_ = run_->num_reused();
     progress_.training(num_done_, places_.size(), "");
   }
   JobBook book() {

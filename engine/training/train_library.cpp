@@ -9,7 +9,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/libraries/assemble_library.hpp"
 #include "engine/libraries/edit_library.hpp"
-#include "engine/training/ahead_writer.hpp"
+#include "engine/training/incremental_writer.hpp"
 #include "engine/training/provenance.hpp"
 #include "engine/training/standard_basis.hpp"
 #include "engine/training/training_parts.hpp"
@@ -109,15 +109,15 @@ struct TrainingRun::State {
   std::vector<std::string> fingerprints;  // one per source; empty: unreadable
   std::vector<std::size_t> jobs;          // sources to be trained
   std::size_t num_unreadable = 0;
-  std::optional<engine::AheadWriter> ahead;
+  std::optional<engine::IncrementalWriter> incremental;
 
   std::mutex mutex;                            // guards the members below
-  std::size_t num_given = 0;                   // number of jobs handed out
+  std::size_t num_assigned = 0;                // number of jobs handed out
   std::map<std::size_t, JobOutcome> outcomes;  // keyed by source
   std::map<std::size_t, Error> faults;         // keyed by source
 
   const std::vector<ModelSource>& sources() const { return request.sources; }
-  std::size_t num_taken_over() const { return sources().size() - jobs.size() - num_unreadable; }
+  std::size_t num_reused() const { return sources().size() - jobs.size() - num_unreadable; }
   std::string path() const { return request.file.string(); }
   std::string how_to_go_on() const;
   Error resumable(const Error& error) const {
@@ -130,7 +130,7 @@ struct TrainingRun::State {
   Result<void> read_sources(const Progress& progress);
   void plan();
   std::vector<std::size_t> first_jobs() const;
-  Result<PackedModels> write_ahead(const JobOutcome& outcome);
+  Result<PackedModels> write_incrementally(const JobOutcome& outcome);
   Error all_faults() const;
   Result<std::vector<ModelCopy>> gather_models();
   const JobOutcome* outcome_of(const ModelCopy& copy) const;
@@ -221,7 +221,7 @@ void TrainingRun::State::plan() {
   for (std::size_t k = 0; k < sources().size(); ++k) {
     if (!faults.contains(k)) names.add(sources()[k].name);
   }
-  ahead.emplace(request.file, header, basis, names, first_jobs());
+  incremental.emplace(request.file, header, basis, names, first_jobs());
 }
 
 /// The jobs whose models precede all others of the future library.
@@ -237,9 +237,9 @@ std::vector<std::size_t> TrainingRun::State::first_jobs() const {
 }
 
 /// Returns models that the caller must store elsewhere.
-Result<PackedModels> TrainingRun::State::write_ahead(const JobOutcome& outcome) {
-  Result<PackedModels> rest = outcome.fault   ? ahead->give_up()
-                              : outcome.model ? ahead->add(outcome.source, outcome.model)
+Result<PackedModels> TrainingRun::State::write_incrementally(const JobOutcome& outcome) {
+  Result<PackedModels> rest = outcome.fault   ? incremental->give_up()
+                              : outcome.model ? incremental->add(outcome.source, outcome.model)
                                               : PackedModels{};  // another process writes it
   if (!rest) return resumable(rest.error());
   return rest;
@@ -353,18 +353,18 @@ Result<TrainingRun> TrainingRun::begin(TrainRequest request, const TrainProgress
 }
 
 const std::vector<ModelSource>& TrainingRun::sources() const noexcept { return state_->sources(); }
-std::size_t TrainingRun::num_taken_over() const noexcept { return state_->num_taken_over(); }
+std::size_t TrainingRun::num_reused() const noexcept { return state_->num_reused(); }
 
 std::optional<TrainingJob> TrainingRun::next() {
   State& state = *state_;
   const std::lock_guard guard(state.mutex);
-  if (state.num_given == state.jobs.size()) return std::nullopt;
+  if (state.num_assigned == state.jobs.size()) return std::nullopt;
   const bool hopeless = !state.faults.empty() && !state.request.keep_going;
-  return TrainingJob{state.jobs[state.num_given++], hopeless};
+  return TrainingJob{state.jobs[state.num_assigned++], hopeless};
 }
 
 Result<PackedModels> TrainingRun::add(JobOutcome outcome) {
-  Result<PackedModels> rest = state_->write_ahead(outcome);
+  Result<PackedModels> rest = state_->write_incrementally(outcome);
   if (!rest) return rest;
   outcome.model = nullptr;
   const std::lock_guard guard(state_->mutex);
@@ -376,12 +376,13 @@ Result<PackedModels> TrainingRun::add(JobOutcome outcome) {
 Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
   State& state = *state_;
   const std::size_t num_sources = state.sources().size();
-  if (const Result<void> told = state.ahead->tell(); !told) return state.resumable(told.error());
+  if (const Result<void> saved = state.incremental->save_contents(); !saved)
+    return state.resumable(saved.error());
   if (state.outcomes.size() < state.jobs.size()) {
-    return Error{ErrorCode::resumable,
-                 fmt::format("{}: stopped after {} of {} models; {}", state.path(),
-                             state.num_taken_over() + state.outcomes.size(), num_sources,
-                             state.how_to_go_on())};
+    return Error{
+        ErrorCode::resumable,
+        fmt::format("{}: stopped after {} of {} models; {}", state.path(),
+                    state.num_reused() + state.outcomes.size(), num_sources, state.how_to_go_on())};
   }
   if (!state.faults.empty() && (!state.request.keep_going || state.faults.size() == num_sources))
     return state.all_faults();
@@ -389,12 +390,12 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
   TRIVET_TRY_ASSIGN(std::vector<ModelCopy> models, state.gather_models());
   TrainReport report = state.report_on(models);
   if (!report.unchanged) {
-    std::optional<LibraryWriter> ahead = state.ahead->release();
+    std::optional<LibraryWriter> writer = state.incremental->release();
     const Result<void> written =
-        ahead ? finish_library(std::move(*ahead), models, state.ahead->num_written(), state.lock,
-                               progress.writing)
-              : assemble_library(state.header, state.basis, std::move(models), state.lock,
-                                 progress.writing);
+        writer ? finish_library(std::move(*writer), models, state.incremental->num_written(),
+                                state.lock, progress.writing)
+               : assemble_library(state.header, state.basis, std::move(models), state.lock,
+                                  progress.writing);
     if (!written) return state.resumable(written.error());
   }
   engine::remove_parts(engine::parts_folder(state.request.file), std::move(state.parts));
@@ -405,7 +406,7 @@ Result<TrainReport> TrainingRun::publish(const TrainProgress& progress) {
 Result<TrainReport> train_library(const TrainRequest& request, const TrainProgress& progress) {
   TRIVET_TRY_ASSIGN(TrainingRun run, TrainingRun::begin(request, progress));
   const std::size_t total = run.sources().size();
-  std::size_t num_done = run.num_taken_over();
+  std::size_t num_done = run.num_reused();
   progress.training(num_done, total, "");
   TRIVET_TRY(train_models(
       {run.sources(), request.unit, request.options, request.file}, [&] { return run.next(); },

@@ -69,7 +69,7 @@ class TrainingRun {
   ~TrainingRun();
 
   const std::vector<ModelSource>& sources() const noexcept;  ///< sorted by name
-  std::size_t num_taken_over() const noexcept;               ///< number of reused models among them
+  std::size_t num_reused() const noexcept;                   ///< number of reused models among them
   /// The next job; absent after the last one. Not thread-safe.
   std::optional<TrainingJob> next();
   /// Record an outcome. Its model is written once all models before it, by name, are written, so

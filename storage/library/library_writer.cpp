@@ -54,7 +54,9 @@ Result<void> check_target(const fs::path& file, const LibraryHeader& header) {
   return {};
 }
 
-Error over() { return {ErrorCode::io, "this library was published, or its writing has failed"}; }
+Error closed_error() {
+  return {ErrorCode::io, "this library was published, or its writing has failed"};
+}
 
 }  // namespace
 
@@ -70,7 +72,7 @@ struct LibraryWriter::State {
   PendingFile file;
   Handle hdf5, root, models;               ///< destroyed in reverse order
   std::map<std::string, Written> written;  ///< models by name
-  std::vector<std::string> untold;         ///< names of models that are in no contents file yet
+  std::vector<std::string> unlisted;       ///< names of models that are in no contents file yet
   std::uint64_t end = 0;                   ///< end of their columns in the file
   TriSpinBasis basis;                      ///< without components: no basis
   std::string basis_digest, index_digest;
@@ -109,7 +111,7 @@ bool LibraryWriter::State::write(PackedModel& packed) {
   }
   const StoredGroup described = packed.described();
   written.emplace(name, Written{format::digest(described), record_of(packed.model, described)});
-  untold.push_back(name);
+  unlisted.push_back(name);
   for (const StoredColumn& column : written.at(name).record.columns)
     end = std::max(end, column.offset + column.bytes);
   return true;
@@ -189,7 +191,7 @@ Result<LibraryWriter> LibraryWriter::begin(Result<PendingFile> file, const fs::p
                                              .root = {},
                                              .models = {},
                                              .written = {},
-                                             .untold = {},
+                                             .unlisted = {},
                                              .end = 0,
                                              .basis = {},
                                              .basis_digest = {},
@@ -206,7 +208,7 @@ Result<LibraryWriter> LibraryWriter::begin(Result<PendingFile> file, const fs::p
 }
 
 Result<void> LibraryWriter::add(const TriSpinBasis& basis) {
-  if (!state_ || !state_->file.pending()) return over();
+  if (!state_ || !state_->file.pending()) return closed_error();
   if (basis.components.size() == 0 && basis.components.mean.empty()) return {};
   TRIVET_TRY(format::check_basis(basis));
   if (state_->num_components() > 0 || !state_->written.empty()) {
@@ -223,7 +225,7 @@ LengthUnit LibraryWriter::unit() const noexcept { return state_->header.unit; }
 std::size_t LibraryWriter::num_components() const noexcept { return state_->num_components(); }
 
 Result<void> LibraryWriter::add(const Model& model) {
-  if (!state_ || !state_->file.pending()) return over();
+  if (!state_ || !state_->file.pending()) return closed_error();
   const Result<std::shared_ptr<PackedModel>> packed = pack_model(model, unit(), num_components());
   if (packed) return add(**packed);
   return Error{packed.error().code,
@@ -231,7 +233,7 @@ Result<void> LibraryWriter::add(const Model& model) {
 }
 
 Result<void> LibraryWriter::add(PackedModel& packed) {
-  if (!state_ || !state_->file.pending()) return over();
+  if (!state_ || !state_->file.pending()) return closed_error();
   if (!state_->index_digest.empty()) {
     return Error{ErrorCode::internal,
                  fmt::format("{}: expected no model after the index", state_->target.string())};
@@ -256,20 +258,20 @@ Result<void> LibraryWriter::add(PackedModel& packed) {
 }
 
 Result<void> LibraryWriter::write_contents(const fs::path& file) {
-  if (!state_) return over();
+  if (!state_) return closed_error();
   State& state = *state_;
   TRIVET_TRY_ASSIGN(LibraryWriter contents, create(file, state.header));
   TRIVET_TRY(contents.add(state.basis));
   contents.state_->columns_in = state.file.path().filename().string();
-  for (const std::string& name : state.untold)
+  for (const std::string& name : state.unlisted)
     contents.state_->written.emplace(name, state.written.at(name));
   const Result<void> published = contents.publish(Outlasts::process);
-  if (published) state.untold.clear();
+  if (published) state.unlisted.clear();
   return published;
 }
 
 Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_bytes) {
-  if (!state_ || !state_->file.pending()) return over();
+  if (!state_ || !state_->file.pending()) return closed_error();
   State& state = *state_;
   if (!state.index_digest.empty()) {
     return Error{ErrorCode::internal, fmt::format("{}: expected one index", state.target.string())};
@@ -291,12 +293,12 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
   Handle group;
   StoredGroup described;
   // While a level is written, the next one is computed.
-  const auto look_for = [&](std::size_t k) {
+  const auto compute_level = [&](std::size_t k) {
     return std::async(std::launch::async, [&next, &all, k] { return next(all, k); });
   };
-  std::future<std::optional<LevelInPieces>> found = look_for(0);
+  std::future<std::optional<LevelInPieces>> found = compute_level(0);
   for (std::size_t k = 0; const std::optional<LevelInPieces> level = found.get(); ++k) {
-    found = look_for(k + 1);
+    found = compute_level(k + 1);
     if (k == 0) group = create_group(state.root.get(), "index");
     if (!group) return state.fail("the index");
     const std::string name = fmt::format("{:02}", k);
@@ -312,7 +314,7 @@ Result<void> LibraryWriter::add_index(const NextLevel& next, std::size_t piece_b
 }
 
 Result<void> LibraryWriter::publish(Outlasts end) {
-  if (!state_ || !state_->file.pending()) return over();
+  if (!state_ || !state_->file.pending()) return closed_error();
   hdf5::start();
   State& state = *state_;
 

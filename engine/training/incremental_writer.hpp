@@ -22,21 +22,22 @@ namespace trivet::engine {
 /// The file is stored among the library's parts until it is finished. Its table of contents is
 /// saved from time to time, so that its models survive the death of the process like those of
 /// parts.
-class AheadWriter {
+class IncrementalWriter {
  public:
   /// file     path of the library
   /// names    names of all its models
   /// sources  sources of its first models, rising: all of them are trained now
-  AheadWriter(std::filesystem::path file, const LibraryHeader& header, const TriSpinBasis& basis,
-              const NamesToCome& names, std::vector<std::size_t> sources)
+  IncrementalWriter(std::filesystem::path file, const LibraryHeader& header,
+                    const TriSpinBasis& basis, const NamesToCome& names,
+                    std::vector<std::size_t> sources)
       : file_(std::move(file)),
         header_(header),
         basis_(basis),
         names_(names),
         sources_(std::move(sources)) {}
-  AheadWriter(const AheadWriter&) = delete;
-  AheadWriter& operator=(const AheadWriter&) = delete;
-  ~AheadWriter();
+  IncrementalWriter(const IncrementalWriter&) = delete;
+  IncrementalWriter& operator=(const IncrementalWriter&) = delete;
+  ~IncrementalWriter();
 
   /// Add a source's model. Returns models that the caller must store elsewhere, because they are
   /// not among the first or too many wait for a slower one before them. Errors: those of
@@ -48,7 +49,7 @@ class AheadWriter {
 
   std::size_t num_written() const noexcept { return num_written_; }
   /// Save the table of contents of everything written. Errors: those of LibraryWriter.
-  Result<void> tell();
+  Result<void> save_contents();
   /// The library with these models; absent if nothing was written. Pre: no more are added.
   std::optional<LibraryWriter> release() { return std::exchange(writer_, {}); }
 
@@ -68,8 +69,8 @@ class AheadWriter {
   std::optional<LibraryWriter> writer_;
   std::filesystem::path unfinished_;
   KeepingTime time_;
-  int num_told_ = 0;            // number of saved tables of contents
-  std::size_t num_untold_ = 0;  // number of models since then
+  int num_saves_ = 0;            // number of saved tables of contents
+  std::size_t num_unsaved_ = 0;  // number of models since then
   std::size_t num_written_ = 0;
 };
 

@@ -1,4 +1,4 @@
-#include "engine/training/ahead_writer.hpp"
+#include "engine/training/incremental_writer.hpp"
 
 #include <system_error>
 #include <utility>
@@ -15,15 +15,16 @@ constexpr std::uint64_t kMostWaiting = std::uint64_t{256} << 20U;
 }  // namespace
 
 // A file without a table of contents would only occupy the disk.
-AheadWriter::~AheadWriter() {
+IncrementalWriter::~IncrementalWriter() {
   if (!writer_) return;
-  [[maybe_unused]] const Result<void> told = tell();
+  [[maybe_unused]] const Result<void> saved = save_contents();
   writer_.reset();
   std::error_code error;
-  if (num_told_ == 0) std::filesystem::remove(unfinished_, error);
+  if (num_saves_ == 0) std::filesystem::remove(unfinished_, error);
 }
 
-Result<PackedModels> AheadWriter::add(std::size_t source, std::shared_ptr<PackedModel> model) {
+Result<PackedModels> IncrementalWriter::add(std::size_t source,
+                                            std::shared_ptr<PackedModel> model) {
   if (next_ == sources_.size() || source > sources_.back()) return PackedModels{std::move(model)};
   bytes_waiting_ += packed_bytes(*model);
   waiting_.emplace(source, std::move(model));
@@ -36,24 +37,24 @@ Result<PackedModels> AheadWriter::add(std::size_t source, std::shared_ptr<Packed
   return bytes_waiting_ > kMostWaiting ? stop() : PackedModels{};
 }
 
-Result<PackedModels> AheadWriter::give_up() {
-  TRIVET_TRY(tell());
+Result<PackedModels> IncrementalWriter::give_up() {
+  TRIVET_TRY(save_contents());
   writer_.reset();
   num_written_ = 0;
   return stop();
 }
 
-Result<void> AheadWriter::tell() {
-  if (num_untold_ == 0) return {};
-  const Result<void> told = writer_->write_contents(contents_of(unfinished_, num_told_));
-  if (!told) return told;
-  ++num_told_;
-  num_untold_ = 0;
+Result<void> IncrementalWriter::save_contents() {
+  if (num_unsaved_ == 0) return {};
+  const Result<void> saved = writer_->write_contents(contents_of(unfinished_, num_saves_));
+  if (!saved) return saved;
+  ++num_saves_;
+  num_unsaved_ = 0;
   time_.reset();
   return {};
 }
 
-Result<void> AheadWriter::begin() {
+Result<void> IncrementalWriter::begin() {
   const std::filesystem::path folder = parts_folder(file_);
   TRIVET_TRY(make_folder(folder));
   unfinished_ = free_name(folder);
@@ -64,19 +65,19 @@ Result<void> AheadWriter::begin() {
   return writer_->add(basis_);
 }
 
-Result<void> AheadWriter::write(PackedModel& model) {
+Result<void> IncrementalWriter::write(PackedModel& model) {
   if (!writer_) {
     TRIVET_TRY(begin());
   }
   TRIVET_TRY(writer_->add(model));
   ++num_written_;
-  ++num_untold_;
+  ++num_unsaved_;
   time_.add(model);
-  return time_.has_come() ? tell() : Result<void>();
+  return time_.has_come() ? save_contents() : Result<void>();
 }
 
 /// Write no more models.
-PackedModels AheadWriter::stop() {
+PackedModels IncrementalWriter::stop() {
   sources_.resize(next_);
   bytes_waiting_ = 0;
   PackedModels waited;
