@@ -28,8 +28,8 @@ using Failure = std::variant<Refusal, Error>;
 
 /// Intervals of the service: between inspections of the jobs, maximum time of a part, and maximum
 /// time to stop after a stop request.
-constexpr std::chrono::milliseconds kLookInterval{20};
-constexpr std::chrono::seconds kStuckAfter{120}, kDeafAfter{10};
+constexpr std::chrono::milliseconds kWatchInterval{20};
+constexpr std::chrono::seconds kStuckAfter{120}, kUnresponsiveAfter{10};
 /// Weight of the newest part in the mean time per part.
 constexpr double kNewestShare = 0.1;
 /// Retries of an answer for lack of memory, since other jobs release theirs.
@@ -42,8 +42,8 @@ double seconds_between(ServiceClock::time_point from, ServiceClock::time_point t
 
 /// A job accepted by the service. The service's mutex guards its mutable members. The job and the
 /// memory that it holds live as long as it waits, runs or is being answered.
-struct Taken {
-  ~Taken() { let_go(); }
+struct AcceptedJob {
+  ~AcceptedJob() { let_go(); }
 
   ServiceJob job;
   Done done;
@@ -66,7 +66,7 @@ struct Taken {
     return true;
   }
   /// Reason why an answer has become useless.
-  std::optional<Refusal> overtaken(ServiceClock::time_point now) const noexcept {
+  std::optional<Refusal> refusal_at(ServiceClock::time_point now) const noexcept {
     if (now >= job.deadline) return Refusal::too_late;
     if (job.is_gone && job.is_gone()) return Refusal::gone;
     return std::nullopt;
@@ -81,25 +81,25 @@ struct Taken {
     return {generation, seconds_between(since, begun), seconds_between(begun, ServiceClock::now())};
   }
 };
-using TakenPtr = std::shared_ptr<Taken>;
+using JobPtr = std::shared_ptr<AcceptedJob>;
 
 /// State of a worker; without a job it is idle.
 struct Worker {
-  TakenPtr of{};
+  JobPtr of{};
   ServiceClock::time_point begun{};
 
   bool is_busy() const { return of != nullptr; }
   /// Whether the worker continues despite a stop request.
-  bool is_deaf(ServiceClock::time_point now) const {
-    return of && of->failure && now - of->stopped > kDeafAfter;
+  bool is_unresponsive(ServiceClock::time_point now) const {
+    return of && of->failure && now - of->stopped > kUnresponsiveAfter;
   }
   bool is_stuck(ServiceClock::time_point now) const {
-    return of && (now - begun > kStuckAfter || is_deaf(now));
+    return of && (now - begun > kStuckAfter || is_unresponsive(now));
   }
 };
 
 /// Answer the caller. If the callback throws, it has not answered yet.
-void answer(Taken& job) noexcept {
+void answer(AcceptedJob& job) noexcept {
   for (int i = 0; i < kMostTries; ++i) {
     try {
       if (job.failure) {
@@ -146,7 +146,7 @@ struct RecognitionService::State {
         workers(options.num_parallel > 0 ? options.num_parallel
                                          : static_cast<std::size_t>(num_cores)) {
     for (Worker& worker : workers) threads.emplace_back([this, &worker] { work(worker); });
-    watch = std::jthread([this](const std::stop_token& stop) { look_after(stop); });
+    watch = std::jthread([this](const std::stop_token& stop) { watch_jobs(stop); });
   }
 
   ~State() {
@@ -169,7 +169,7 @@ struct RecognitionService::State {
   }
 
   /// Whether a part may start in addition to the running parts.
-  bool fits(const Taken& job) const {
+  bool fits(const AcceptedJob& job) const {
     return num_working_bytes + job.job.part_bytes <= options.max_working_bytes;
   }
 
@@ -177,11 +177,11 @@ struct RecognitionService::State {
   /// ones. Under overload, work that misses its deadline is wasted, and all work would miss it.
   /// This never refuses a job while a worker is idle; otherwise a mean that is too long would
   /// refuse all jobs and never change.
-  bool would_be_late(const Taken& job) const {
+  bool would_be_late(const AcceptedJob& job) const {
     if (waiting.empty() && num_workers(&Worker::is_busy) < workers.size()) return false;
     const auto now = ServiceClock::now();
     const std::size_t num_hearing =
-        num_workers([&](const Worker& worker) { return !worker.is_deaf(now); });
+        num_workers([&](const Worker& worker) { return !worker.is_unresponsive(now); });
     if (num_hearing == 0) return true;
     const auto num_turns =
         static_cast<double>(num_waiting + job.num_waiting) / static_cast<double>(num_hearing);
@@ -194,12 +194,12 @@ struct RecognitionService::State {
       const std::lock_guard lock(mutex);
       is_closed = true;
     }
-    refuse([&](const Taken&) { return std::optional(why); });
+    refuse([&](const AcceptedJob&) { return std::optional(why); });
     changed.notify_all();
   }
 
   /// Start no further part of a job. Pre: locked.
-  void forget_waiting(const TakenPtr& job) {
+  void forget_waiting(const JobPtr& job) {
     if (job->num_waiting > 0) waiting.remove(job);
     num_waiting -= std::exchange(job->num_waiting, 0);
   }
@@ -208,7 +208,7 @@ struct RecognitionService::State {
   /// lack of memory must not end its thread.
   template <class Why>
   void refuse(const Why& why) {
-    std::list<TakenPtr> refused;
+    std::list<JobPtr> refused;
     {
       const std::lock_guard lock(mutex);
       for (auto at = waiting.begin(); at != waiting.end();) {
@@ -220,13 +220,13 @@ struct RecognitionService::State {
       }
       num_ending += refused.size();
     }
-    for (TakenPtr& job : refused) leave(std::move(job), true);
-    while (TakenPtr job = refuse_running(why)) leave(std::move(job), true);
+    for (JobPtr& job : refused) leave(std::move(job), true);
+    while (JobPtr job = refuse_running(why)) leave(std::move(job), true);
   }
 
   /// Returns a job that must be answered; null if there is none.
   template <class Why>
-  TakenPtr refuse_running(const Why& why) {
+  JobPtr refuse_running(const Why& why) {
     const std::lock_guard lock(mutex);
     for (const Worker& worker : workers) {
       if (!worker.of || worker.of->is_answered) continue;
@@ -241,14 +241,14 @@ struct RecognitionService::State {
 
   /// Release a job that was counted as ending. If the caller is responsible for its answer, give it
   /// first.
-  void leave(TakenPtr job, bool is_ours) {
+  void leave(JobPtr job, bool is_ours) {
     if (is_ours) {
-      bool is_over = false;
+      bool is_finished = false;
       {
         const std::lock_guard lock(mutex);
-        is_over = job->num_running == 0;
+        is_finished = job->num_running == 0;
       }
-      if (is_over) job->let_go();  // free the memory before answering
+      if (is_finished) job->let_go();  // free the memory before answering
       answer(*job);
     }
     job.reset();
@@ -265,9 +265,9 @@ struct RecognitionService::State {
     // them.
     tbb::task_arena arena(num_cores);
     while (const std::optional<std::size_t> part = begin(worker)) {
-      Taken* const job = worker.of.get();
+      AcceptedJob* const job = worker.of.get();
       std::optional<Failure> failure;
-      if (const std::optional<Refusal> refusal = job->overtaken(worker.begun)) {
+      if (const std::optional<Refusal> refusal = job->refusal_at(worker.begun)) {
         failure = *refusal;
       } else {
         failure = failure_of([&] {
@@ -295,7 +295,7 @@ struct RecognitionService::State {
     if (waiting.empty()) return std::nullopt;
     worker.of = waiting.front();
     worker.begun = ServiceClock::now();
-    Taken& job = *worker.of;
+    AcceptedJob& job = *worker.of;
     if (job.begun == ServiceClock::time_point{}) job.begun = worker.begun;
     num_working_bytes += job.job.part_bytes;
     --num_waiting;
@@ -308,7 +308,7 @@ struct RecognitionService::State {
   /// remains for a job that is not answered yet.
   bool is_last_and_good(const Worker& worker, const std::optional<Failure>& failure) {
     const std::lock_guard lock(mutex);
-    Taken& job = *worker.of;
+    AcceptedJob& job = *worker.of;
     if (failure || job.is_answered) return false;
     const double seconds = seconds_between(worker.begun, ServiceClock::now());
     mean_seconds += (mean_seconds > 0 ? kNewestShare : 1) * (seconds - mean_seconds);
@@ -316,7 +316,7 @@ struct RecognitionService::State {
   }
 
   void end(Worker& worker, std::optional<Failure> failure) {
-    TakenPtr job;
+    JobPtr job;
     bool is_ours = false;
     {
       const std::lock_guard lock(mutex);
@@ -335,12 +335,12 @@ struct RecognitionService::State {
   }
 
   /// Answer jobs in time, and detect parts that hang.
-  void look_after(const std::stop_token& stop) {
+  void watch_jobs(const std::stop_token& stop) {
     if (options.on_thread_start) options.on_thread_start();
     while (!stop.stop_requested()) {
-      std::this_thread::sleep_for(kLookInterval);
+      std::this_thread::sleep_for(kWatchInterval);
       const auto now = ServiceClock::now();
-      refuse([&](const Taken& job) { return job.overtaken(now); });
+      refuse([&](const AcceptedJob& job) { return job.refusal_at(now); });
       const std::lock_guard lock(mutex);
       is_stuck = std::ranges::any_of(workers, [&](const Worker& w) { return w.is_stuck(now); });
     }
@@ -351,7 +351,7 @@ struct RecognitionService::State {
   mutable std::mutex mutex;
   std::condition_variable changed;
   std::shared_ptr<const LibraryGeneration> generation;
-  std::list<TakenPtr> waiting;  ///< unanswered jobs with parts that have not started
+  std::list<JobPtr> waiting;  ///< unanswered jobs with parts that have not started
   std::vector<Worker> workers;
   std::size_t num_waiting = 0, num_working_bytes = 0;
   std::atomic<std::size_t> num_bytes{0};
@@ -387,34 +387,34 @@ void RecognitionService::submit(ServiceJob job, Done done) {
                                                     "many as may wait, found {}",
                                                     state_->options.max_waiting, num_parts)});
   }
-  auto taken = std::make_shared<Taken>();
-  taken->job = std::move(job);
-  taken->done = std::move(done);
-  taken->since = ServiceClock::now();
-  taken->num_waiting = taken->num_undone = num_parts;
-  std::list<TakenPtr> last{taken};
-  std::optional<Refusal> refusal = taken->overtaken(taken->since);
+  auto accepted = std::make_shared<AcceptedJob>();
+  accepted->job = std::move(job);
+  accepted->done = std::move(done);
+  accepted->since = ServiceClock::now();
+  accepted->num_waiting = accepted->num_undone = num_parts;
+  std::list<JobPtr> last{accepted};
+  std::optional<Refusal> refusal = accepted->refusal_at(accepted->since);
   {
     const std::lock_guard lock(state_->mutex);
     if (state_->is_closed) {
       refusal = Refusal::closed;
-    } else if (taken->job.part_bytes > state_->options.max_working_bytes) {
+    } else if (accepted->job.part_bytes > state_->options.max_working_bytes) {
       refusal = Refusal::too_large;
-    } else if (state_->is_full(num_parts, taken->job.num_bytes) ||
-               (!refusal && state_->would_be_late(*taken))) {
+    } else if (state_->is_full(num_parts, accepted->job.num_bytes) ||
+               (!refusal && state_->would_be_late(*accepted))) {
       refusal = Refusal::full;
     }
     if (refusal) {
-      (void)taken->fail(*refusal);
+      (void)accepted->fail(*refusal);
     } else {
-      taken->generation = state_->generation;
-      taken->num_bytes_held = &state_->num_bytes;
-      state_->num_bytes += taken->job.num_bytes;
+      accepted->generation = state_->generation;
+      accepted->num_bytes_held = &state_->num_bytes;
+      state_->num_bytes += accepted->job.num_bytes;
       state_->num_waiting += num_parts;
       state_->waiting.splice(state_->waiting.end(), last);
     }
   }
-  if (refusal) return answer(*taken);
+  if (refusal) return answer(*accepted);
   state_->changed.notify_all();
 }
 
