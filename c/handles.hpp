@@ -31,8 +31,8 @@ struct trivet_stopper {
 namespace trivet::c {
 
 /// Write status and message to the caller's error, if there is one.
-inline trivet_status tell(trivet_status status, std::string_view message,
-                          trivet_error* error) noexcept {
+inline trivet_status set_error(trivet_status status, std::string_view message,
+                               trivet_error* error) noexcept {
   if (!error) return status;
   constexpr std::size_t kMost = sizeof(error->message) - 1;
   std::size_t size = std::min(message.size(), kMost);
@@ -74,20 +74,20 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
 /// make  () -> Result<std::unique_ptr<T>>
 template <class T, class Make>
 trivet_status hand_out(T** out, trivet_error* error, Make&& make) noexcept {
-  if (!out) return tell(TRIVET_USAGE, "expected a place for the result, found null", error);
+  if (!out) return set_error(TRIVET_USAGE, "expected a place for the result, found null", error);
   *out = nullptr;
   try {
     Result<std::unique_ptr<T>> made = make();
     if (!made)
-      return tell(status_of(made.error().code), printable_lines(made.error().message), error);
+      return set_error(status_of(made.error().code), printable_lines(made.error().message), error);
     *out = made->release();
-    return tell(TRIVET_OK, "", error);
+    return set_error(TRIVET_OK, "", error);
   } catch (const std::bad_alloc&) {
-    return tell(TRIVET_IO, kOutOfMemory, error);
+    return set_error(TRIVET_IO, kOutOfMemory, error);
   } catch (const std::exception& fault) {
-    return tell(TRIVET_INTERNAL, fault.what(), error);
+    return set_error(TRIVET_INTERNAL, fault.what(), error);
   } catch (...) {
-    return tell(TRIVET_INTERNAL, "a fault of unknown kind", error);
+    return set_error(TRIVET_INTERNAL, "a fault of unknown kind", error);
   }
 }
 

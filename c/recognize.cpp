@@ -68,7 +68,7 @@ Result<ArrayView> typed_array(const void* data, trivet_number number) {
 }
 
 /// Check a stride. Errors: usage (below `least`, or too large for an array in memory).
-Result<std::ptrdiff_t> take_stride(std::size_t stride, std::size_t least) {
+Result<std::ptrdiff_t> check_stride(std::size_t stride, std::size_t least) {
   if (stride >= least && stride <= std::size_t{std::numeric_limits<std::ptrdiff_t>::max()})
     return static_cast<std::ptrdiff_t>(stride);
   return usage(fmt::format("stride: expected at least {}, found {}", least, stride));
@@ -80,7 +80,7 @@ Result<ArrayView> points_array(const void* xyz, trivet_number number, std::size_
     return usage("points: expected floats or doubles, found integers of 16 bits");
   Result<ArrayView> array = typed_array(xyz, number);
   if (!array) return array.error();
-  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, take_stride(stride, 3));
+  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, check_stride(stride, 3));
   if (width > 0 && std::size_t{std::numeric_limits<std::ptrdiff_t>::max()} / width < stride)
     return usage(
         fmt::format("points: expected an array that fits into memory, found rows of {} "
@@ -96,7 +96,7 @@ Result<ArrayView> depths_array(const void* depths, trivet_number number, std::si
                                std::size_t height, std::size_t stride) {
   Result<ArrayView> array = typed_array(depths, number);
   if (!array) return array.error();
-  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, take_stride(stride, width));
+  TRIVET_TRY_ASSIGN(const std::ptrdiff_t step, check_stride(stride, width));
   array->shape = {height, width, 1};
   array->strides = {step, 1, 1};
   return array;
@@ -110,16 +110,16 @@ struct Call {
   const trivet_stopper* stopper;
 };
 
-/// take_cloud  () -> Result<Cloud>; called after the other arguments are checked
-template <class TakeCloud>
-FoundInScene recognize_scene(const Call& call, SceneInput input, TakeCloud&& take_cloud) {
+/// make_cloud  () -> Result<Cloud>; called after the other arguments are checked
+template <class MakeCloud>
+FoundInScene recognize_scene(const Call& call, SceneInput input, MakeCloud&& make_cloud) {
   if (!call.library) return usage("expected a library, found null");
   const trivet::Recognizer& recognizer = call.library->recognizer;
   const trivet::Library& library = recognizer.library();
   TRIVET_TRY_ASSIGN(const double scale, scale_of(call.unit, library.header.unit));
   input.scale = scale;
   TRIVET_TRY_ASSIGN(const RecognizeOptions options, parse_options(call.options));
-  TRIVET_TRY_ASSIGN(const Cloud cloud, take_cloud());
+  TRIVET_TRY_ASSIGN(const Cloud cloud, make_cloud());
 
   const std::stop_token stop = call.stopper ? call.stopper->source.get_token() : std::stop_token();
   TRIVET_TRY_ASSIGN(trivet::SceneResult found,

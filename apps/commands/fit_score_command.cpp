@@ -118,13 +118,13 @@ Result<void> read_outcomes(const std::string& file, Outcomes& outcomes) {
     const std::string_view line = cursor.rest_of_line();
     const std::optional<std::int64_t> right = parse_integer(cursor.word());
     kernels::ScoreParts parts{};
-    bool is_whole = right == 0 || right == 1;
+    bool is_valid = right == 0 || right == 1;
     for (float& part : parts) {
       const std::optional<double> value = parse_number(cursor.word());
-      is_whole = is_whole && value;
+      is_valid = is_valid && value;
       part = to_float(value.value_or(0));
     }
-    if (!is_whole || !cursor.word().empty()) {
+    if (!is_valid || !cursor.word().empty()) {
       return Error{ErrorCode::bad_data,
                    fmt::format("{}: line {}: expected 0 or 1 and {} numbers, found \"{:.100}\"",
                                file, cursor.line(), parts.size(), line)};

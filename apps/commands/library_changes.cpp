@@ -52,7 +52,7 @@ Result<TrainRequest> request_to_add(const ChangeArguments& arguments, const Cons
 Result<void> add_models(const ChangeArguments& arguments, const Context& context) {
   const Result<TrainRequest> request = request_to_add(arguments, context.console);
   if (!request) return request.error();
-  return train_and_tell(*request, arguments.json, context.console, context.stop);
+  return train_and_report(*request, arguments.json, context.console, context.stop);
 }
 
 Result<void> remove(const ChangeArguments& arguments, const Context& context) {

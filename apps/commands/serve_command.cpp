@@ -63,7 +63,7 @@ void wait(const std::stop_token& stop, LibrarySlot& slot, Daemon& daemon,
       notify_systemd("WATCHDOG=1");
       last_notice = ServiceClock::now();
     }
-    if (Daemon::was_hung_up()) reload(slot, daemon);
+    if (Daemon::received_sighup()) reload(slot, daemon);
   });
 }
 
@@ -172,7 +172,7 @@ Result<void> check(const ServeSettings& settings, const Context& context) {
 }
 
 Result<void> serve(const ServeSettings& settings, const Context& context) {
-  Daemon::take_hangups();
+  Daemon::handle_sighup();
   wait_for_memory_on_this_thread();
   MemoryTrim memory;
   auto made = open_service(settings, settings.files(), context);

@@ -12,7 +12,7 @@ namespace {
 Result<void> train(const TrainArguments& arguments, const Context& context) {
   const Result<TrainRequest> request = make_request(arguments, context.console);
   if (!request) return request.error();
-  return train_and_tell(*request, arguments.json, context.console, context.stop);
+  return train_and_report(*request, arguments.json, context.console, context.stop);
 }
 
 }  // namespace

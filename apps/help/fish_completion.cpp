@@ -53,14 +53,14 @@ std::string option_line(const OptionHelp& option, const std::string& where) {
 std::string lines_of(const CommandHelp& command) {
   const std::string where = condition(command);
   std::string out;
-  bool takes_files = false;
+  bool accepts_files = false;
   for (const OptionGroupHelp& group : command.groups) {
     for (const OptionHelp& option : group.options) {
-      takes_files = takes_files || option.is_argument;
+      accepts_files = accepts_files || option.is_argument;
       if (!option.is_argument) out += option_line(option, where);
     }
   }
-  if (takes_files) out += fmt::format("complete -c trivet -n '{}' -F\n", where);
+  if (accepts_files) out += fmt::format("complete -c trivet -n '{}' -F\n", where);
   std::vector<std::string> words;
   for (const CommandHelp& below : command.commands)
     words.push_back(below.name.substr(below.name.rfind(' ') + 1));

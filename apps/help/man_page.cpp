@@ -12,7 +12,7 @@ namespace trivet::apps {
 namespace {
 
 /// Removes the UTF-8 sequence at the front and returns its code point.
-std::uint32_t take_code_point(std::string_view& text) {
+std::uint32_t pop_code_point(std::string_view& text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const std::size_t length = lead < 0x80 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
   std::uint32_t point = length == 1 ? lead : lead & (0x7FU >> length);
@@ -26,7 +26,7 @@ std::uint32_t take_code_point(std::string_view& text) {
 std::string escaped(std::string_view text) {
   std::string out;
   while (!text.empty()) {
-    const std::uint32_t point = take_code_point(text);
+    const std::uint32_t point = pop_code_point(text);
     if (point == '\\') {
       out += "\\e";
     } else if (point == '-') {

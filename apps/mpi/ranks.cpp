@@ -16,11 +16,11 @@ namespace {
 
 /// Kinds of messages.
 enum Tag : int {
-  kAsk,      // to rank 0: request for a job
-  kJob,      // from rank 0: '+' and the job; empty: no more jobs
-  kOutcome,  // to rank 0: result of a job
-  kEnd,      // to rank 0: result of the rank's work
-  kOver,     // from rank 0: all have ended
+  kAsk,       // to rank 0: request for a job
+  kJob,       // from rank 0: '+' and the job; empty: no more jobs
+  kOutcome,   // to rank 0: result of a job
+  kEnd,       // to rank 0: result of the rank's work
+  kAllEnded,  // from rank 0: all have ended
 };
 
 constexpr std::chrono::milliseconds kPause{1};
@@ -73,13 +73,13 @@ class Exchange {
     if (answer.empty()) return std::nullopt;
     return answer.substr(1);
   }
-  void tell(std::string outcome) {
+  void report(std::string outcome) {
     const std::lock_guard lock(mutex_);
     outcomes_.push_back(std::move(outcome));
   }
 
   // called by the thread that calls MPI
-  bool take_question() {
+  bool pop_request() {
     const std::lock_guard lock(mutex_);
     return std::exchange(asked_, false);
   }
@@ -88,7 +88,7 @@ class Exchange {
     answer_ = std::move(job);
     answered_.notify_one();
   }
-  std::deque<std::string> take_outcomes() {
+  std::deque<std::string> pop_outcomes() {
     const std::lock_guard lock(mutex_);
     return std::exchange(outcomes_, {});
   }
@@ -122,7 +122,7 @@ class Work {
 class Patience {
  public:
   explicit Patience(std::stop_token stop) : stop_(std::move(stop)) {}
-  bool is_over() {
+  bool is_exhausted() {
     if (!stop_.stop_requested()) return false;
     const auto now = std::chrono::steady_clock::now();
     if (!asked_) since_ = now;
@@ -148,7 +148,7 @@ Result<void> lead(const Ranks& ranks, const JobBook& book,
                   const std::stop_token& stop) {
   Exchange own;
   const Work work(do_work, {[&] { return own.ask(); },
-                            [&](std::string outcome) { own.tell(std::move(outcome)); }});
+                            [&](std::string outcome) { own.report(std::move(outcome)); }});
   Patience patience(stop);
   Result<void> first;
   int num_ended = 1;  // including this rank
@@ -163,13 +163,13 @@ Result<void> lead(const Ranks& ranks, const JobBook& book,
         first = Error{ended.error().code,
                       fmt::format("rank {}: {}", message->from, ended.error().message)};
     }
-    if (own.take_question()) own.answer(next_of(book));
-    for (std::string& outcome : own.take_outcomes()) book.done(std::move(outcome));
-    if (own_ended && (num_ended == ranks.size() || patience.is_over())) break;
+    if (own.pop_request()) own.answer(next_of(book));
+    for (std::string& outcome : own.pop_outcomes()) book.done(std::move(outcome));
+    if (own_ended && (num_ended == ranks.size() || patience.is_exhausted())) break;
     std::this_thread::sleep_for(kPause);
   }
   if (num_ended < ranks.size()) return stopped();
-  for (int rank = 1; rank < ranks.size(); ++rank) send(rank, kOver, "");
+  for (int rank = 1; rank < ranks.size(); ++rank) send(rank, kAllEnded, "");
   return work.result() ? first : work.result();
 }
 
@@ -177,28 +177,28 @@ Result<void> follow(const std::function<Result<void>(const Worker&)>& do_work,
                     const std::stop_token& stop) {
   Exchange own;
   const Work work(do_work, {[&] { return own.ask(); },
-                            [&](std::string outcome) { own.tell(std::move(outcome)); }});
+                            [&](std::string outcome) { own.report(std::move(outcome)); }});
   Patience patience(stop);
-  bool told_end = false;
+  bool reported_end = false;
   while (true) {
     const bool ended = work.ended();
     while (std::optional<Message> message = receive()) {
       if (message->tag == kJob) own.answer(std::move(message->bytes));
-      if (message->tag == kOver) return work.result();
+      if (message->tag == kAllEnded) return work.result();
     }
-    if (own.take_question()) {
+    if (own.pop_request()) {
       if (stop.stop_requested()) {
         own.answer("");  // rank 0 may be dead
       } else {
         send(0, kAsk, "");
       }
     }
-    for (const std::string& outcome : own.take_outcomes()) send(0, kOutcome, outcome);
-    if (ended && !told_end) {
+    for (const std::string& outcome : own.pop_outcomes()) send(0, kOutcome, outcome);
+    if (ended && !reported_end) {
       send(0, kEnd, encode(work.result()));
-      told_end = true;
+      reported_end = true;
     }
-    if (patience.is_over()) {
+    if (patience.is_exhausted()) {
       if (ended) return stopped();
       own.answer("");  // the awaited message will not come
     }

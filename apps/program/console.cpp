@@ -19,7 +19,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// The progress shown so far.
-struct Told {
+struct ProgressState {
   Clock::time_point start = Clock::now(), last{};
   std::optional<std::size_t> done_at_first;  // items done at the time of the first report
 
@@ -28,10 +28,10 @@ struct Told {
 
 /// The speed and the remaining time, estimated from the items since the first report; empty if
 /// there were none.
-std::string pace(const Told& told, std::size_t done, std::size_t total) {
-  const double seconds = told.seconds();
-  if (done >= total || done <= *told.done_at_first || seconds <= 0) return "";
-  const double rate = static_cast<double>(done - *told.done_at_first) / seconds;
+std::string pace(const ProgressState& state, std::size_t done, std::size_t total) {
+  const double seconds = state.seconds();
+  if (done >= total || done <= *state.done_at_first || seconds <= 0) return "";
+  const double rate = static_cast<double>(done - *state.done_at_first) / seconds;
   const double left = static_cast<double>(total - done) / rate;
   return fmt::format(
       ", {:.{}f}/s, {}", rate, rate < 10 ? 1 : 0,
@@ -52,12 +52,12 @@ std::string progress_json(const std::string& verb, std::size_t done, std::size_t
 }
 
 /// Writes the text at once and as a whole. A failure cannot be reported anywhere.
-void tell(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
+void write_stderr(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stderr); }
 
 }  // namespace
 
 void Console::line(std::string_view text) const {
-  if (!quiet) tell(printable_lines(fmt::format("{}\n", text)));
+  if (!quiet) write_stderr(printable_lines(fmt::format("{}\n", text)));
 }
 
 void Console::wrote_report(const std::filesystem::path& folder) const {
@@ -65,51 +65,51 @@ void Console::wrote_report(const std::filesystem::path& folder) const {
 }
 
 void Console::warning(std::string_view text) const {
-  tell(printable_lines(fmt::format("warning: {}\n", text)));
+  write_stderr(printable_lines(fmt::format("warning: {}\n", text)));
 }
 
 void Console::error(std::string_view text) const {
-  tell(printable_lines(fmt::format("error: {}\n", text)));
+  write_stderr(printable_lines(fmt::format("error: {}\n", text)));
 }
 
-void Console::complaint(std::string_view text) const { tell(printable_lines(text)); }
+void Console::complaint(std::string_view text) const { write_stderr(printable_lines(text)); }
 
 Progress Console::progress(std::string_view verb, std::stop_token stop, bool brief) const {
   Progress progress;
   progress.stop = std::move(stop);
-  Told told;
+  ProgressState state;
   if (json_progress) {
-    progress.report = [verb = std::string(verb), told](std::size_t done, std::size_t total,
-                                                       std::string_view item) {
-      tell(progress_json(verb, done, total, item, told.seconds()) + '\n');
+    progress.report = [verb = std::string(verb), state](std::size_t done, std::size_t total,
+                                                        std::string_view item) {
+      write_stderr(progress_json(verb, done, total, item, state.seconds()) + '\n');
     };
     return progress;
   }
   if (quiet) return progress;
   const bool terminal = ::isatty(STDERR_FILENO) == 1;
-  progress.report = [terminal, brief, verb = std::string(verb), told](
+  progress.report = [terminal, brief, verb = std::string(verb), state](
                         std::size_t done, std::size_t total, std::string_view item) mutable {
-    if (!told.done_at_first) {
-      told.done_at_first = done < total && item.empty() ? done : 0;
-      if (item.empty()) told.start = Clock::now();
+    if (!state.done_at_first) {
+      state.done_at_first = done < total && item.empty() ? done : 0;
+      if (item.empty()) state.start = Clock::now();
     }
-    if (brief && told.seconds() < 1) return;
+    if (brief && state.seconds() < 1) return;
     // With many items, a log gets a line now and then.
     const bool is_due =
-        done == total || (total <= kMostLines && !brief) || Clock::now() - told.last > kBetween;
+        done == total || (total <= kMostLines && !brief) || Clock::now() - state.last > kBetween;
     if (!is_due) return;
-    told.last = Clock::now();
+    state.last = Clock::now();
     const std::string rest =
-        fmt::format("{}{}{}", item.empty() ? "" : " ", printable(item), pace(told, done, total));
+        fmt::format("{}{}{}", item.empty() ? "" : " ", printable(item), pace(state, done, total));
     if (!terminal) {
-      tell(fmt::format("{} {}/{}{}\n", verb, done, total, rest));
+      write_stderr(fmt::format("{} {}/{}{}\n", verb, done, total, rest));
       return;
     }
     constexpr std::size_t kWidth = 30;
     const std::size_t filled = total > 0 ? kWidth * done / total : kWidth;
-    tell(fmt::format("\r\033[K{} [{}{}] {}/{}{}{}", verb, std::string(filled, '#'),
-                     std::string(kWidth - filled, '.'), done, total, rest,
-                     done == total ? "\n" : ""));
+    write_stderr(fmt::format("\r\033[K{} [{}{}] {}/{}{}{}", verb, std::string(filled, '#'),
+                             std::string(kWidth - filled, '.'), done, total, rest,
+                             done == total ? "\n" : ""));
   };
   return progress;
 }

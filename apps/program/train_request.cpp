@@ -86,8 +86,8 @@ Result<void> write_train_report(const TrainReport& report, const TrainRequest& r
   return error;
 }
 
-Result<void> train_and_tell(const TrainRequest& request, const std::string& json,
-                            const Console& console, const std::stop_token& stop) {
+Result<void> train_and_report(const TrainRequest& request, const std::string& json,
+                              const Console& console, const std::stop_token& stop) {
   const Result<TrainReport> report = train_library(request, train_progress(console, stop));
   if (!report) return report.error();
   return write_train_report(*report, request, json, console);

@@ -39,7 +39,7 @@ Result<void> write_train_report(const TrainReport& report, const TrainRequest& r
                                 const std::string& json, const Console& console);
 
 /// Trains in this process, with progress, and prints the result. Errors: of both.
-Result<void> train_and_tell(const TrainRequest& request, const std::string& json,
-                            const Console& console, const std::stop_token& stop);
+Result<void> train_and_report(const TrainRequest& request, const std::string& json,
+                              const Console& console, const std::stop_token& stop);
 
 }  // namespace trivet::apps

@@ -42,7 +42,7 @@ const Detection& detection_of(const ReportInput& input, std::size_t scene,
   return input.results[scene]->detections[judged.detection];
 }
 
-std::string whole_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string rounded_percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
 
 /// "91 % occluded, 84 % clutter": the conditions of a truth in the manifest.
 std::string conditions(const TruthInstance& truth) {
@@ -50,7 +50,8 @@ std::string conditions(const TruthInstance& truth) {
   for (const auto& [value, text] : {std::pair{truth.occlusion, "occluded"},
                                     {truth.clutter, "clutter"},
                                     {truth.visible_fraction, "visible"}}) {
-    if (value) out += fmt::format("{}{} {}", out.empty() ? "" : ", ", whole_percent(*value), text);
+    if (value)
+      out += fmt::format("{}{} {}", out.empty() ? "" : ", ", rounded_percent(*value), text);
   }
   return out;
 }
@@ -128,7 +129,7 @@ std::string score_parts(const Detection& detection) {
                                     {detection.violation, "looked through"},
                                     {detection.contour, "of the outline free"}}) {
     if (std::isfinite(value))
-      out += fmt::format(", {} {}", whole_percent(static_cast<double>(value)), text);
+      out += fmt::format(", {} {}", rounded_percent(static_cast<double>(value)), text);
   }
   return out;
 }

@@ -79,7 +79,7 @@ std::string picture_labels(std::span<const PictureLabel> labels, std::span<const
   struct Spot {
     float x, y, width;
   };
-  std::vector<Spot> taken;
+  std::vector<Spot> occupied;
   std::string out;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     if (labels[i].text.empty() || boxes[i].left > boxes[i].right) continue;
@@ -90,9 +90,9 @@ std::string picture_labels(std::span<const PictureLabel> labels, std::span<const
       return std::abs(spot.x - other.x) < (spot.width + other.width) / 2 &&
              std::abs(spot.y - other.y) < kLine;
     };
-    while (spot.y + kLine < 0.97F && std::any_of(taken.begin(), taken.end(), overlaps))
+    while (spot.y + kLine < 0.97F && std::any_of(occupied.begin(), occupied.end(), overlaps))
       spot.y += kLine;
-    taken.push_back(spot);
+    occupied.push_back(spot);
     out += fmt::format(
         "<span class=\"tag\" style=\"left:{:.1f}%;top:{:.1f}%;border-color:{}\">{}</span>",
         100 * spot.x, 100 * spot.y, css(labels[i].color), escape_html(labels[i].text));

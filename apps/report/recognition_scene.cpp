@@ -23,9 +23,9 @@
 namespace trivet::apps {
 namespace {
 
-constexpr Color kQuiet{112, 118, 130};  // detections, in the picture of the rejected poses
-constexpr float kHopeful = 0.01F;       // rejected poses with lower scores are not drawn
-constexpr float kNothing = 0.005F;      // of log odds: rounding errors
+constexpr Color kQuiet{112, 118, 130};        // detections, in the picture of the rejected poses
+constexpr float kLeastPicturedScore = 0.01F;  // rejected poses with lower scores are not drawn
+constexpr float kNothing = 0.005F;            // of log odds: rounding errors
 constexpr float kSmall = 0.6F;  // models within such a fraction of the picture get a close-up
 
 /// One scene, and the data for its figure.
@@ -72,22 +72,24 @@ Color brighter(const Color& color) {
 
 /// Whether a rejected pose deserves a picture: its score is high enough, and it is not just a worse
 /// alternative to a detection of its model.
-bool is_hopeful(const Subject& subject, const RejectedPose& rejected) {
+bool deserves_picture(const Subject& subject, const RejectedPose& rejected) {
   const bool beneath_its_like =
       rejected.explained_by &&
       subject.result.detections[*rejected.explained_by].model == rejected.model;
-  return rejected.score >= kHopeful && !(rejected.reason == Rejection::too_low && beneath_its_like);
+  return rejected.score >= kLeastPicturedScore &&
+         !(rejected.reason == Rejection::too_low && beneath_its_like);
 }
 
 /// The rejected poses that get a row: those with a picture, and the best of each model without any
 /// detection.
-std::vector<std::size_t> told(const Subject& subject) {
+std::vector<std::size_t> listed_rejections(const Subject& subject) {
   std::vector<std::size_t> out;
-  std::set<std::string_view> seen;
-  for (const Detection& detection : subject.result.detections) seen.insert(detection.model);
+  std::set<std::string_view> shown_models;
+  for (const Detection& detection : subject.result.detections) shown_models.insert(detection.model);
   for (std::size_t r = 0; r < subject.result.rejected.size(); ++r) {
     const RejectedPose& rejected = subject.result.rejected[r];
-    if (seen.insert(rejected.model).second || is_hopeful(subject, rejected)) out.push_back(r);
+    if (shown_models.insert(rejected.model).second || deserves_picture(subject, rejected))
+      out.push_back(r);
   }
   return out;
 }
@@ -185,7 +187,7 @@ std::string found_table(const Subject& subject) {
 }
 
 std::string rejected_table(const Subject& subject) {
-  const std::vector<std::size_t> shown = told(subject);
+  const std::vector<std::size_t> shown = listed_rejections(subject);
   std::string rows, rest;
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
@@ -197,7 +199,7 @@ std::string rejected_table(const Subject& subject) {
   if (const std::size_t more = subject.result.rejected.size() - shown.size(); more > 0) {
     rest =
         fmt::format("<p class=\"dim\">{} more {}below {} or a worse guess at what was found.</p>\n",
-                    more, more == 1 ? "is " : "are ", kHopeful);
+                    more, more == 1 ? "is " : "are ", kLeastPicturedScore);
   }
   if (rows.empty()) return "<h2>Rejected</h2><p class=\"dim\">Nothing worth a look.</p>\n" + rest;
   return table("Rejected", "<td><th>model<th class=\"n\">score<th>why not", rows) + rest;
@@ -250,7 +252,7 @@ std::string parts_table(const Subject& subject) {
     rows += parts_row(subject, std::to_string(d + 1), detection.model, detection.score,
                       detection.parts);
   }
-  const std::vector<std::size_t> shown = told(subject);
+  const std::vector<std::size_t> shown = listed_rejections(subject);
   for (std::size_t i = 0; i < shown.size(); ++i) {
     const RejectedPose& rejected = subject.result.rejected[shown[i]];
     rows += parts_row(subject, rejected_id(i), rejected.model, rejected.score, rejected.parts);
@@ -372,7 +374,7 @@ FigurePlan plan_found(const Subject& subject) {
 
 FigurePlan plan_rejected(const Subject& subject) {
   FigurePlan plan;
-  const std::vector<std::size_t> shown = told(subject);
+  const std::vector<std::size_t> shown = listed_rejections(subject);
   if (shown.empty()) return {};
   for (const Detection& detection : subject.result.detections) {
     const EvaluationMesh& mesh = *find_mesh(subject.models, detection.model);
@@ -410,15 +412,15 @@ class Painter {
   Result<std::string> views(const FigurePlan& found, const FigurePlan& rejected) {
     const std::span<const Overlay> models =
         found.overlays.empty() ? rejected.overlays : found.overlays;
-    const Result<View> whole =
+    const Result<View> full =
         view("", found, rejected, [&](const auto& overlays) { return drawing_.draw(overlays); });
-    if (!whole) return whole.error();
-    if (!is_small(whole->boxes)) return whole->html;
+    if (!full) return full.error();
+    if (!is_small(full->boxes)) return full->html;
     const Result<View> close = view("_close", found, rejected, [&](const auto& overlays) {
       return drawing_.draw_around(models, overlays);
     });
     if (!close) return close.error();
-    return whole->html + close->html;
+    return full->html + close->html;
   }
 
  private:

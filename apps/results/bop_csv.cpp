@@ -26,13 +26,13 @@ std::optional<std::string> bop_name_warning(const std::filesystem::path& file) {
 
 Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
                            std::span<const std::string> models) {
-  std::set<std::pair<int, int>> seen;
+  std::set<std::pair<int, int>> visited;
   for (std::size_t i = 0; i < scenes.sources.size(); ++i) {
     const std::string file = scenes.sources[i].file.string();
     const auto [scene, image] = scenes.ids[i];
     if (scene < 0 || image < 0)
       return refuse("scenes of a BOP data set, given as its folder", file);
-    if (!seen.emplace(scene, image).second)
+    if (!visited.emplace(scene, image).second)
       return refuse(fmt::format("image {} of scene {} once", image, scene), file + " too");
   }
   std::vector<std::string> names(models.begin(), models.end());

@@ -310,12 +310,12 @@ Result<std::vector<ExpectedPose>> read_expected_poses(const std::filesystem::pat
 
 Result<std::vector<StoredScene>> read_stored_scenes(const std::filesystem::path& file) {
   std::vector<StoredScene> stored;
-  std::set<std::filesystem::path> seen;
+  std::set<std::filesystem::path> visited;
   const Result<void> done = with_json(file, [&](const JsonNode& root) {
     for (const JsonNode& scene : root.at("scenes").elements()) {
       if (scene.has("error")) continue;
       stored.push_back(parse_scene(scene));
-      if (!seen.insert(normal_path(stored.back().file)).second)
+      if (!visited.insert(normal_path(stored.back().file)).second)
         scene.at("scene").refuse("expected each scene once");
     }
   });

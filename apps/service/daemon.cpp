@@ -21,15 +21,15 @@ constexpr milliseconds kLastAnswers{1000};  ///< time for clients to receive the
 constexpr milliseconds kLastSteps{1000};    ///< time for threads to end
 constexpr milliseconds kLogged{100};        ///< time for the last line to be written
 
-std::atomic<bool> hung_up{false};
+std::atomic<bool> sighup_pending{false};
 
 }  // namespace
 
-void Daemon::take_hangups() {
-  std::signal(SIGHUP, [](int) { hung_up = true; });
+void Daemon::handle_sighup() {
+  std::signal(SIGHUP, [](int) { sighup_pending = true; });
 }
 
-bool Daemon::was_hung_up() { return hung_up.exchange(false); }
+bool Daemon::received_sighup() { return sighup_pending.exchange(false); }
 
 Result<void> Daemon::read_tokens() {
   if (settings_.token_file.empty()) return {};
@@ -83,10 +83,10 @@ std::string Daemon::url() const {
 }
 
 void Daemon::wait(const std::stop_token& stop, milliseconds interval,
-                  const std::function<void()>& look) {
+                  const std::function<void()>& callback) {
   while (!stop.stop_requested()) {
     std::this_thread::sleep_for(interval);
-    look();
+    callback();
   }
 }
 

@@ -64,12 +64,12 @@ class Daemon {
   std::string url() const;  ///< valid once it listens
 
   /// Handles SIGHUP from now on. Call it before `wait`.
-  static void take_hangups();
-  static bool was_hung_up();  ///< a SIGHUP came since the last call
+  static void handle_sighup();
+  static bool received_sighup();  ///< a SIGHUP came since the last call
 
   /// Calls back at intervals, until it is stopped.
   static void wait(const std::stop_token& stop, std::chrono::milliseconds interval,
-                   const std::function<void()>& look);
+                   const std::function<void()>& callback);
 
   /// Ends readiness, so that load balancers choose other servers. After the grace period it accepts
   /// no more connections, then answers the received requests. From then on no route is called.

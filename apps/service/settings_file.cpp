@@ -127,7 +127,7 @@ void add_settings(CLI::App& command, std::span<const Setting> settings,
                   SettingArguments& arguments) {
   for (const Setting& setting : settings) {
     const std::string name(setting.name);
-    const auto take = [&values = arguments.values, name](const CLI::results_t& given) {
+    const auto store_values = [&values = arguments.values, name](const CLI::results_t& given) {
       values[name] = given;
       return true;
     };
@@ -138,8 +138,8 @@ void add_settings(CLI::App& command, std::span<const Setting> settings,
       continue;
     }
     command
-        .add_option(setting.argument.empty() ? "--" + name : std::string(setting.argument), take,
-                    std::string(setting.meaning))
+        .add_option(setting.argument.empty() ? "--" + name : std::string(setting.argument),
+                    store_values, std::string(setting.meaning))
         ->type_name("TEXT")
         ->expected(1)
         ->multi_option_policy(setting.is_list ? CLI::MultiOptionPolicy::TakeAll

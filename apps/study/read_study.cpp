@@ -65,13 +65,13 @@ class Reader {
     const toml::node* const node = table.get(key);
     if (!node) return;
     const auto number = node->value<double>();
-    const bool whole = std::is_integral_v<Number>;
+    const bool is_integer = std::is_integral_v<Number>;
     if (node->is_number() && number && *number >= low && *number <= high &&
-        (!whole || node->is_integer())) {
+        (!is_integer || node->is_integer())) {
       out = static_cast<Number>(*number);
     } else {
       fault(*node, fmt::format("{}: expected a {}number from {:g} to {:g}", key,
-                               whole ? "whole " : "", low, high));
+                               is_integer ? "whole " : "", low, high));
     }
   }
   std::vector<std::string> texts(const toml::table& table, std::string_view key) {

@@ -305,7 +305,7 @@ class Arranger {
     for (std::size_t m = 0; m < panel.methods.size(); ++m) {
       Trials trials;
       std::vector<PanelCell> column(panel.rows.size());
-      PanelCell whole;
+      PanelCell total;
       for (const std::size_t group : groups) {
         const JudgedPoint& judged = at(group, m, 0);
         for (const auto& [name, tally] : tallies_of(judged.evaluation)) {
@@ -315,11 +315,11 @@ class Arranger {
           cell.found.all += tally.instances;
           cell.num_add_right += tally.add_right;
         }
-        add_whole(cell_of(judged), whole);
+        add_group(cell_of(judged), total);
         if (m > 0) add_trials(judged, at(group, 0, 0), trials);
       }
-      for (PanelCell& cell : column) cell.num_scenes = whole.num_scenes;
-      column.push_back(whole);
+      for (PanelCell& cell : column) cell.num_scenes = total.num_scenes;
+      column.push_back(total);
       if (m > 0) column.back().lead = compare(trials, study_.seed);
       panel.cells.push_back(std::move(column));
     }
@@ -346,19 +346,19 @@ class Arranger {
     return names;
   }
 
-  static void add_whole(const PanelCell& group, PanelCell& whole) {
-    const bool first = whole.num_scenes == 0;
-    whole.found.right += group.found.right;
-    whole.found.all += group.found.all;
-    whole.false_positives = whole.false_positives.value_or(0) + group.false_positives.value_or(0);
-    whole.num_scenes += group.num_scenes;
-    whole.num_add_right += group.num_add_right;
-    whole.threshold = group.threshold;
-    whole.f1 = f1_score(whole.found, *whole.false_positives);
+  static void add_group(const PanelCell& group, PanelCell& total) {
+    const bool first = total.num_scenes == 0;
+    total.found.right += group.found.right;
+    total.found.all += group.found.all;
+    total.false_positives = total.false_positives.value_or(0) + group.false_positives.value_or(0);
+    total.num_scenes += group.num_scenes;
+    total.num_add_right += group.num_add_right;
+    total.threshold = group.threshold;
+    total.f1 = f1_score(total.found, *total.false_positives);
     // The medians of groups cannot be added.
-    whole.seconds = first ? group.seconds : std::nullopt;
-    whole.translation_error = first ? group.translation_error : std::nullopt;
-    whole.rotation_error_deg = first ? group.rotation_error_deg : std::nullopt;
+    total.seconds = first ? group.seconds : std::nullopt;
+    total.translation_error = first ? group.translation_error : std::nullopt;
+    total.rotation_error_deg = first ? group.rotation_error_deg : std::nullopt;
   }
 
   const Study& study_;
@@ -417,7 +417,7 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
   StudyResults out;
   out.sets = std::move(*sets);
   Judge judge(study, plan, folder, out.sets);
-  std::set<std::size_t> shown, seen;
+  std::set<std::size_t> shown, used_sets;
   for (std::size_t e = 0; e < study.experiments.size(); ++e) {
     const Experiment& experiment = study.experiments[e];
     std::vector<JudgedPoint> points;
@@ -426,7 +426,7 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
       Result<JudgedPoint> judged = judge.judge(point);
       if (!judged) return judged.error();
       points.push_back(std::move(*judged));
-      for (const std::size_t set : point.sets) seen.insert(set);
+      for (const std::size_t set : point.sets) used_sets.insert(set);
     }
     const Arranger arranger(study, e, std::move(points));
     out.experiments.push_back(arranger.arrange());
@@ -448,7 +448,7 @@ Result<StudyResults> evaluate_study(const Study& study, const StudyPlan& plan,
   if (!libraries) return libraries.error();
   out.libraries = std::move(*libraries);
   out.num_recognitions = plan.cells.size();
-  for (const std::size_t set : seen) {
+  for (const std::size_t set : used_sets) {
     out.num_scenes += out.sets[set].scenes.size();
     for (const ManifestScene& scene : out.sets[set].scenes) out.num_instances += scene.truth.size();
   }

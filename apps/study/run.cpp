@@ -50,15 +50,15 @@ Result<void> render(const Study& study, const SceneSet& set, const StudyFolder& 
                     const std::stop_token& stop) {
   const Result<std::vector<ScanModel>> models = gather_models(study, set.models);
   if (!models) return models.error();
-  const fs::path whole = folder.scenes(set), part = whole.string() + ".part";
+  const fs::path target = folder.scenes(set), part = target.string() + ".part";
   std::error_code error;
   fs::remove_all(part, error);
   const Result<Manifest> rendered =
       render_scenes(*models, LengthUnit::meter, set.options, part, {{}, stop});
   if (!rendered) return rendered.error();
-  fs::rename(part, whole, error);
+  fs::rename(part, target, error);
   if (!error) return {};
-  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", whole.string(), error.message())};
+  return Error{ErrorCode::cannot_create, fmt::format("{}: {}", target.string(), error.message())};
 }
 
 Result<void> render_missing(const Study& study, const StudyPlan& plan, const StudyFolder& folder,

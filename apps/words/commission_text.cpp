@@ -13,15 +13,15 @@
 namespace trivet::apps {
 namespace {
 
-constexpr float kWorthTelling = 0.05F;  // smallest reported change of a weight
-constexpr std::size_t kToldMarks = 5;
+constexpr float kLeastReportedChange = 0.05F;  // smallest reported change of a weight
+constexpr std::size_t kReportedMarks = 5;
 constexpr float kSure = 0.9F, kHopeless = 0.1F;  // scores that marks contradict
 
 std::string changed_weights(const kernels::ScoreAdaptation& adaptation, bool more) {
   std::vector<std::size_t> parts;
   for (std::size_t k = 0; k < adaptation.weights.size(); ++k) {
     const float change = adaptation.weights[k] - 1;
-    if ((more ? change : -change) >= kWorthTelling) parts.push_back(k);
+    if ((more ? change : -change) >= kLeastReportedChange) parts.push_back(k);
   }
   std::ranges::stable_sort(parts, std::ranges::greater{},
                            [&](std::size_t k) { return std::abs(adaptation.weights[k] - 1); });
@@ -88,7 +88,7 @@ std::string doubtful_marks(const kernels::ScoreModel& model, const Outcomes& out
       marks.push_back({i, score, right ? 1 - score : score});
   }
   std::ranges::stable_sort(marks, std::ranges::greater{}, &Mark::contradiction);
-  if (marks.size() > kToldMarks) marks.resize(kToldMarks);
+  if (marks.size() > kReportedMarks) marks.resize(kReportedMarks);
   std::string text;
   for (const Mark& mark : marks) {
     text += fmt::format("  {}: marked {}, scored {:.3f}\n", outcomes.scans[outcomes.scan[mark.row]],

@@ -99,13 +99,13 @@ std::string train_line(const TrainReport& report, const std::string& library) {
     features += model.num_features;
   }
   std::string how;
-  const auto tell = [&](std::size_t number, std::string_view what) {
+  const auto add_count = [&](std::size_t number, std::string_view what) {
     if (number > 0) how += fmt::format("{}{} {}", how.empty() ? "" : ", ", number, what);
   };
-  tell(count(report, ModelOrigin::trained), "trained");
-  tell(count(report, ModelOrigin::resumed), "of an earlier run");
-  tell(count(report, ModelOrigin::kept), "as before");
-  tell(report.num_removed, "removed");
+  add_count(count(report, ModelOrigin::trained), "trained");
+  add_count(count(report, ModelOrigin::resumed), "of an earlier run");
+  add_count(count(report, ModelOrigin::kept), "as before");
+  add_count(report.num_removed, "removed");
   return fmt::format("{}: {}{} ({}), {}, {}, {:.2f} s", library,
                      counted(report.models.size(), "model"), report.unchanged ? ", unchanged" : "",
                      how, counted(pairs, "point pair"), counted(features, "feature"),

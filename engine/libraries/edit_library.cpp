@@ -111,7 +111,7 @@ std::string why_not_together(const Library& library, const LibraryHeader& header
   return "";
 }
 
-Result<void> take_models(const Library& from, const fs::path& file, std::size_t most_models,
+Result<void> copy_models(const Library& from, const fs::path& file, std::size_t most_models,
                          const Progress& progress) {
   TRIVET_TRY_ASSIGN(const OpenedForChange opened, open_for_change(file));
   const Library& library = opened.library;

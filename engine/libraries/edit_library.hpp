@@ -35,7 +35,7 @@ Result<void> rename_model(const std::filesystem::path& file, const std::string& 
 /// most_models  maximum number of models in the result
 /// Errors: usage (another unit, other parameters or components; too many models), those of
 /// assemble_library.
-Result<void> take_models(const Library& from, const std::filesystem::path& file,
+Result<void> copy_models(const Library& from, const std::filesystem::path& file,
                          std::size_t most_models, const Progress& progress = {});
 
 /// Write all models of several libraries into one. A model that occurs in several is copied once.

@@ -17,7 +17,7 @@ namespace trivet::python {
 namespace {
 
 template <class T>
-bool take(const py::array& array, ArrayView& view) {
+bool set_view(const py::array& array, ArrayView& view) {
   if (!py::isinstance<py::array_t<T>>(array)) return false;
   const auto size = static_cast<py::ssize_t>(sizeof(T));
   for (py::ssize_t d = 0; d < array.ndim(); ++d) {
@@ -186,16 +186,16 @@ ArrayView view_from(const py::object& given, const char* what, py::list& convert
   view.num_dimensions = static_cast<std::size_t>(array.ndim());
   view.shape = {1, 1, 1};
   view.strides = {1, 1, 1};
-  bool taken = take<float>(array, view) || take<double>(array, view) ||
-               take<std::uint16_t>(array, view) || take<std::int32_t>(array, view) ||
-               take<std::uint32_t>(array, view) || take<std::int64_t>(array, view);
-  if (!taken) {
+  bool is_set = set_view<float>(array, view) || set_view<double>(array, view) ||
+                set_view<std::uint16_t>(array, view) || set_view<std::int32_t>(array, view) ||
+                set_view<std::uint32_t>(array, view) || set_view<std::int64_t>(array, view);
+  if (!is_set) {
     array = py::array_t<double, py::array::c_style | py::array::forcecast>::ensure(array);
     if (!array) {
       PyErr_Clear();
       raise({ErrorCode::usage, fmt::format("{}: expected an array of numbers", what)});
     }
-    take<double>(array, view);
+    set_view<double>(array, view);
   }
   converted.append(array);
   return view;

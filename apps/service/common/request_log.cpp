@@ -48,9 +48,10 @@ class PatientSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex>
     for (;;) {
       const bool is_last = Clock::now() >= last_.load();
       pollfd reader{file_descriptor_, POLLOUT, 0};
-      const bool is_told = ::poll(&reader, 1, is_last ? 0 : kPollMs) > 0;
-      if (is_told && reader.revents == POLLOUT) break;
-      if (is_told || is_last) return count_dropped();  // the reader has gone, or remains blocked
+      const bool is_signaled = ::poll(&reader, 1, is_last ? 0 : kPollMs) > 0;
+      if (is_signaled && reader.revents == POLLOUT) break;
+      if (is_signaled || is_last)
+        return count_dropped();  // the reader has gone, or remains blocked
     }
     (void)!::write(file_descriptor_, line.data(), line.size());  // nowhere to report an error
   }

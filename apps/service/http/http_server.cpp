@@ -196,11 +196,11 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     if (error && error != asio::error::operation_aborted) {  // no file descriptors left
       co_await pause.async_wait(asio::redirect_error(asio::use_awaitable, error));
     } else if (!error) {
-      take(std::move(socket));
+      start_session(std::move(socket));
     }
   }
 
-  void take(tcp::socket socket) {
+  void start_session(tcp::socket socket) {
     error_code ignored;
     const tcp::endpoint from = socket.remote_endpoint(ignored);
     ++num_connections;
@@ -226,7 +226,7 @@ struct HttpServer::State : std::enable_shared_from_this<State> {
     while (!error && num_connections < limits.max_connections) {
       tcp::socket socket(context);
       acceptor.accept(socket, error);
-      if (!error) take(std::move(socket));
+      if (!error) start_session(std::move(socket));
     }
     acceptor.close(error);
   }

@@ -30,12 +30,12 @@ constexpr std::size_t kMaxJsonBytes = 16 << 20;  ///< parsing takes up to 20 tim
 struct Rest {
   std::string_view bytes;
 
-  std::string_view take(std::size_t n, const JsonNode& node) {
+  std::string_view read_bytes(std::size_t n, const JsonNode& node) {
     if (n > bytes.size())
       node.refuse(fmt::format("expected at most {} bytes behind the header", bytes.size()));
-    const std::string_view taken = bytes.substr(0, n);
+    const std::string_view front = bytes.substr(0, n);
     bytes.remove_prefix(n);
-    return taken;
+    return front;
   }
 };
 
@@ -57,7 +57,7 @@ std::vector<float> read_numbers(const JsonNode& input, std::size_t count, Rest& 
     const JsonNode size = input.at("parameters").at("binary_data_size");
     if (size.number() != static_cast<double>(4 * count))
       size.refuse(fmt::format("expected {} bytes, as the shape says", 4 * count));
-    const std::string_view bytes = rest.take(4 * count, size);
+    const std::string_view bytes = rest.read_bytes(4 * count, size);
     numbers.resize(count);
     std::memcpy(numbers.data(), bytes.data(), bytes.size());
     return numbers;
@@ -88,7 +88,7 @@ void read_input(const JsonNode& input, InferenceRequest& request, Rest& rest) {
     request.points.push_back({numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]});
 }
 
-std::uint64_t read_whole(const JsonNode& node, std::uint64_t high) {
+std::uint64_t read_unsigned(const JsonNode& node, std::uint64_t high) {
   const nlohmann::json& value = node.value();
   if (!value.is_number_unsigned() || value.get<std::uint64_t>() > high)
     node.refuse(fmt::format("expected a whole number from 0 to {}", high));
@@ -98,7 +98,7 @@ std::uint64_t read_whole(const JsonNode& node, std::uint64_t high) {
 std::chrono::microseconds read_timeout(const JsonNode& parameters) {
   if (!parameters.has("timeout")) return {};
   const std::uint64_t high = std::chrono::microseconds(kMaxTimeout).count();
-  return std::chrono::microseconds(read_whole(parameters.at("timeout"), high));
+  return std::chrono::microseconds(read_unsigned(parameters.at("timeout"), high));
 }
 
 /// Reads parameters that control scheduling. The rest are options of the recognition.
@@ -115,9 +115,9 @@ void read_parameters(const JsonNode& parameters, InferenceRequest& request, bool
   // order of their arrival.
   (void)boolean("sequence_start");
   (void)boolean("sequence_end");
-  if (parameters.has("priority")) (void)read_whole(parameters.at("priority"), kAny);
+  if (parameters.has("priority")) (void)read_unsigned(parameters.at("priority"), kAny);
   if (parameters.has("sequence_id") && !parameters.at("sequence_id").is_string())
-    (void)read_whole(parameters.at("sequence_id"), kAny);
+    (void)read_unsigned(parameters.at("sequence_id"), kAny);
 }
 
 RequestedOutput read_output(const JsonNode& output, bool all_binary) {
@@ -254,7 +254,7 @@ Result<InferenceRequest> parse_inference(std::string_view body,
   return request;
 }
 
-Cloud take_cloud(InferenceRequest& request) {
+Cloud extract_cloud(InferenceRequest& request) {
   Cloud cloud;
   for (std::size_t i = 0; i < request.points.size(); ++i) {
     if (request.points[i].allFinite()) {

@@ -43,7 +43,7 @@ Result<InferenceRequest> parse_inference(std::string_view body,
 std::chrono::microseconds inference_timeout(std::string_view json);
 
 /// Moves the finite points out of the request.
-Cloud take_cloud(InferenceRequest& request);
+Cloud extract_cloud(InferenceRequest& request);
 
 struct InferenceResponse {
   std::string body;

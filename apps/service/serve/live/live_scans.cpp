@@ -136,7 +136,7 @@ std::optional<LiveScans::Scan> LiveScans::try_recognize(const Arrival& arrival,
   scan.stamp = arrival.stamp;
   scan.time = now_since_1970();
   const std::string name = shown_name(arrival.file);
-  if (!arrival.is_whole) {
+  if (!arrival.is_complete) {
     scan.error = fmt::format(
         "{}: is written again and again and never stays unchanged, so it is never complete; write "
         "each scan "

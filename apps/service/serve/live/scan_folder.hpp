@@ -25,7 +25,7 @@ struct FileStamp {
 struct Arrival {
   std::filesystem::path file;
   FileStamp stamp;
-  bool is_whole = true;  ///< false: it is written again and again, and never was complete
+  bool is_complete = true;  ///< false: it is written again and again, and never was complete
 };
 
 /// Files that exist at the start are ignored. A file that appears or changes later is complete once

@@ -92,7 +92,7 @@ Result<void> run_inference(Call& call, std::optional<std::size_t> header_size,
   if (!query) return query.error();
   SceneInput input = query->scene.input(generation.recognizer.library().header.unit);
   if (out.request.viewpoint) input.viewpoint = out.request.viewpoint->cast<double>();
-  const Cloud cloud = take_cloud(out.request);
+  const Cloud cloud = extract_cloud(out.request);
   out.input_seconds = seconds_since(begun);
   Result<SceneResult> result =
       trivet::recognize(generation.recognizer, cloud, input, query->options, stop);

@@ -347,7 +347,7 @@ void PartWorkshop::publish(const std::string& name, Done done) {
       [this, name]() -> Result<void> {
         const std::shared_ptr<const Library> draft = trained(name);
         if (!draft) return Error{ErrorCode::usage, fmt::format("no trained draft '{}'", name)};
-        return take_models(*draft, library_, settings_.max_models);
+        return copy_models(*draft, library_, settings_.max_models);
       },
       std::move(done), [this, name] { (void)drop(name); });
 }

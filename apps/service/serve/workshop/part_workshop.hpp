@@ -100,7 +100,7 @@ class PartWorkshop {
 
   /// Puts a trained draft into the library, replacing a model of the same name, and calls back with
   /// it.
-  /// Errors: usage (not trained, too many models), those of `take_models`, of reading it.
+  /// Errors: usage (not trained, too many models), those of `copy_models`, of reading it.
   void publish(const std::string& name, Done done);
   /// Removes a model. Errors: of remove_models, of reading the library.
   void remove(const std::string& model, Done done);
