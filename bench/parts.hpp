@@ -45,7 +45,7 @@ const OrientedPoints& part_surface(const Part& part);
 const OrientedPoints& scan_without_wall();
 
 /// The clocks of rows for whole stages: wall time, and CPU time over all threads.
-inline void whole_process(benchmark::internal::Benchmark* row) {
+inline void measure_process_time(benchmark::internal::Benchmark* row) {
   row->Unit(benchmark::kMillisecond)->UseRealTime()->MeasureProcessCPUTime();
 }
 

@@ -18,19 +18,19 @@ constexpr std::size_t kQueriesAtOnce = 32, kFeaturesAtOnce = 128;  // a block st
 TRIVET_SIMD_CLONES
 void compare(const float* __restrict query, const float* __restrict features, std::size_t dimension,
              std::size_t count, float* __restrict distances) noexcept {
-  const std::size_t whole = dimension / kLanes * kLanes;
+  const std::size_t num_in_blocks = dimension / kLanes * kLanes;
   for (std::size_t f = 0; f < count; ++f) {
     const float* const feature = features + f * dimension;
     alignas(64) std::array<float, kLanes> sums{};
-    for (std::size_t i = 0; i < whole; i += kLanes) {
+    for (std::size_t i = 0; i < num_in_blocks; i += kLanes) {
       for (std::size_t k = 0; k < kLanes; ++k) {
         const float d = query[i + k] - feature[i + k];
         sums[k] += d * d;
       }
     }
-    for (std::size_t i = whole; i < dimension; ++i) {
+    for (std::size_t i = num_in_blocks; i < dimension; ++i) {
       const float d = query[i] - feature[i];
-      sums[i - whole] += d * d;
+      sums[i - num_in_blocks] += d * d;
     }
     for (std::size_t half = kLanes / 2; half > 0; half /= 2) {
       for (std::size_t k = 0; k < half; ++k) sums[k] += sums[k + half];

@@ -101,7 +101,7 @@ void train_pcl(benchmark::State& state) {
   state.counters["points"] = n;
   state.counters["pairs"] = n * (n - 1);
 }
-BENCHMARK(train_pcl)->Name("train/pcl")->Arg(100)->Arg(70)->Apply(whole_process);
+BENCHMARK(train_pcl)->Name("train/pcl")->Arg(100)->Arg(70)->Apply(measure_process_time);
 
 void recognize_pcl(benchmark::State& state) {
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
@@ -114,7 +114,7 @@ void recognize_pcl(benchmark::State& state) {
   }
   report_poses(state, poses);
 }
-BENCHMARK(recognize_pcl)->Name("recognize/pcl")->Arg(100)->Arg(70)->Apply(whole_process);
+BENCHMARK(recognize_pcl)->Name("recognize/pcl")->Arg(100)->Arg(70)->Apply(measure_process_time);
 
 void icp_pcl(benchmark::State& state) {
   constexpr float kStep = 0.02F * kDiameter;
@@ -136,7 +136,7 @@ void icp_pcl(benchmark::State& state) {
   state.counters["points"] = static_cast<double>(model->size());
   report_refined(state, refined);
 }
-BENCHMARK(icp_pcl)->Name("icp/pcl")->Apply(whole_process);
+BENCHMARK(icp_pcl)->Name("icp/pcl")->Apply(measure_process_time);
 
 }  // namespace
 }  // namespace trivet::bench

@@ -65,7 +65,7 @@ Outcome vote(Column<std::uint16_t>& accumulator) {
   for (const auto& votes : sweep().references) {
     outcome.num_votes += kernels::cast_votes(
         votes, sweep().model.ppf, std::numeric_limits<std::uint64_t>::max(), accumulator);
-    const kernels::VotePeaks peaks = kernels::take_peaks(accumulator, 1, 1);
+    const kernels::VotePeaks peaks = kernels::extract_peaks(accumulator, 1, 1);
     outcome.best.push_back(peaks.count > 0 ? peaks.peak[0].votes : 0);
   }
   return outcome;

@@ -40,7 +40,7 @@ BENCHMARK(train_ours)
     ->Arg(50)
     ->Arg(40)
     ->Arg(25)
-    ->Apply(whole_process);
+    ->Apply(measure_process_time);
 
 void refine_ours(benchmark::State& state) {
   const Model& bracket = trained_parts(kDefaultStep).models[0];
@@ -59,10 +59,10 @@ void refine_ours(benchmark::State& state) {
   for (auto _ : state) std::ranges::transform(rough_poses(), refined.begin(), refine);
   report_refined(state, refined);
 }
-BENCHMARK(refine_ours)->Name("icp/ours")->Apply(whole_process);
+BENCHMARK(refine_ours)->Name("icp/ours")->Apply(measure_process_time);
 
-// Recognition from the scan to verified poses of both parts: normals, planes, sampling, voting, refinement,
-// selection.
+// Recognition from the scan to verified poses of both parts: normals, planes, sampling, voting,
+// refinement, selection.
 void recognize_ours(benchmark::State& state) {
   const Recognizer recognizer(trained_parts(relative_step(state)));
   SceneResult result;
@@ -80,7 +80,12 @@ void recognize_ours(benchmark::State& state) {
   report_poses(state, poses);
   state.counters["false"] = static_cast<double>(result.detections.size()) - state.counters["found"];
 }
-BENCHMARK(recognize_ours)->Name("recognize/ours")->Arg(100)->Arg(70)->Arg(40)->Apply(whole_process);
+BENCHMARK(recognize_ours)
+    ->Name("recognize/ours")
+    ->Arg(100)
+    ->Arg(70)
+    ->Arg(40)
+    ->Apply(measure_process_time);
 
 }  // namespace
 }  // namespace trivet::bench

@@ -132,8 +132,8 @@ const auto* const kProject = add_row("project/ours", [](benchmark::State& state)
   return kNumKeypoints;
 });
 
-/// Features as numerous as those of a few models in a library, and of a scan: projected images of all
-/// vertices of the relief and of the noisy keypoints.
+/// Features as numerous as those of a few models in a library, and of a scan: projected images of
+/// all vertices of the relief and of the noisy keypoints.
 struct Index {
   FeaturePool pool;
   std::vector<float> queries;

@@ -1,4 +1,4 @@
-// The stages of surfaces_bench with PCL as packaged, with its defaults where it has any.
+// Normals and voxel grids by PCL as packaged, with its defaults where it has any.
 #include <pcl/features/integral_image_normal.h>
 #include <pcl/features/normal_3d.h>
 #include <pcl/filters/approximate_voxel_grid.h>

@@ -27,7 +27,7 @@ struct SureObject {
   kernels::ScaleOptions options;
   kernels::ObjectEquations equations{};
 
-  bool tells() const noexcept { return equations.num_used >= kFewestRays; }
+  bool has_enough_rays() const noexcept { return equations.num_used >= kFewestRays; }
 };
 
 std::vector<SureObject> sure_objects(const Library& library, const PreparedScene& scene,
@@ -75,7 +75,7 @@ CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scen
     check.objects.clear();
     for (const SureObject& object : objects) {
       check.num_rays += object.equations.num_rays;
-      if (!object.tells()) continue;
+      if (!object.has_enough_rays()) continue;
       check.objects.push_back(kernels::leave_pose_free(object.equations, scales));
       check.objects.back().model = object.model;
       check.objects.back().correlation = scene.sensor.correlation;
@@ -90,7 +90,7 @@ CameraCheck check_camera(const Recognizer& recognizer, const PreparedScene& scen
     }
     const kernels::LogScales change{now.focal - scales.focal, now.depth - scales.depth};
     for (SureObject& object : objects) {
-      if (!object.tells()) continue;
+      if (!object.has_enough_rays()) continue;
       object.T_camera_model =
           kernels::follow_scales(object.equations, change, object.T_camera_model,
                                  recognizer.library().models[object.model].center);

@@ -13,7 +13,7 @@ namespace trivet::engine {
 /// Call prepare(i) for each i in [0, n) in parallel, but only a few items ahead, and use(i,
 /// prepared) in order, one at a time. If use returns false, no later item is used.
 template <class Prepare, class Use>
-void prepare_ahead(std::size_t n, Prepare&& prepare, Use&& use) {
+void run_pipeline(std::size_t n, Prepare&& prepare, Use&& use) {
   using Prepared = std::pair<std::size_t, decltype(prepare(std::size_t{}))>;
   std::size_t next = 0;
   std::atomic<bool> ended{false};

@@ -251,17 +251,17 @@ Result<void> measure_vsd(const ManifestScene& scene, const SceneResult& result, 
 template <class ErrorOf>
 std::vector<std::size_t> match(std::size_t num_estimates, std::vector<bool> free,
                                const ErrorOf& error, double threshold) {
-  std::vector<std::size_t> taken(num_estimates, kNone);
+  std::vector<std::size_t> matched(num_estimates, kNone);
   for (std::size_t e = 0; e < num_estimates; ++e) {
     double least = threshold;
     for (std::size_t t = 0; t < free.size(); ++t) {
       if (!free[t] || !(error(e, t) < least)) continue;
       least = error(e, t);
-      taken[e] = t;
+      matched[e] = t;
     }
-    if (taken[e] != kNone) free[taken[e]] = false;
+    if (matched[e] != kNone) free[matched[e]] = false;
   }
-  return taken;
+  return matched;
 }
 
 /// Numbers of targets and of found targets at each threshold, summed over groups.
@@ -273,10 +273,10 @@ struct Found {
 
   template <class ErrorOf>
   void add(const Group& group, std::size_t k, const ErrorOf& error, double threshold) {
-    const std::vector<std::size_t> taken =
+    const std::vector<std::size_t> matched =
         match(std::min(group.num_wanted, group.detections.size()), group.targets, error, threshold);
-    num_found[k] +=
-        taken.size() - static_cast<std::size_t>(std::count(taken.begin(), taken.end(), kNone));
+    num_found[k] += matched.size() -
+                    static_cast<std::size_t>(std::count(matched.begin(), matched.end(), kNone));
   }
   void add(const Found& other) {
     num_targets += other.num_targets;
@@ -395,11 +395,11 @@ ModelPrecision precision_of(std::span<const Group* const> groups, double diamete
       for (const Group* group : groups) {
         if (only_images && !group->has_image) continue;
         const auto error = [&](std::size_t e, std::size_t t) { return error_of(*group, e, t); };
-        const std::vector<std::size_t> taken = match(
+        const std::vector<std::size_t> matched = match(
             group->num_kept, std::vector<bool>(group->truths.size(), true), error, threshold_of(k));
-        for (std::size_t e = 0; e < taken.size(); ++e) {
-          const bool found = taken[e] != kNone;
-          if (found && !group->visible[taken[e]]) continue;  // counts neither way
+        for (std::size_t e = 0; e < matched.size(); ++e) {
+          const bool found = matched[e] != kNone;
+          if (found && !group->visible[matched[e]]) continue;  // counts neither way
           matches.push_back({group->scores[e], found});
         }
       }

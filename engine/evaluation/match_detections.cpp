@@ -38,11 +38,11 @@ std::vector<DetectionMatch> PoseMatcher::match(std::span<const Detection> first,
     }
   }
   std::ranges::sort(alike);
-  std::vector<bool> first_taken(first.size()), second_taken(second.size());
+  std::vector<bool> first_matched(first.size()), second_matched(second.size());
   std::vector<DetectionMatch> matches;
   for (const auto& [far, i, j] : alike) {
-    if (first_taken[i] || second_taken[j]) continue;
-    first_taken[i] = second_taken[j] = true;
+    if (first_matched[i] || second_matched[j]) continue;
+    first_matched[i] = second_matched[j] = true;
     matches.push_back({i, j});
   }
   std::ranges::sort(matches, {}, &DetectionMatch::first);

@@ -8,8 +8,8 @@ namespace {
 
 constexpr std::size_t kBins = 10;
 
-double ratio(std::size_t part, std::size_t whole) noexcept {
-  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+double ratio(std::size_t part, std::size_t total) noexcept {
+  return total == 0 ? 0 : static_cast<double>(part) / static_cast<double>(total);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ std::vector<Row> cluster_proposals(const Library& library, std::span<const Propo
                              poses[c].votes, poses[c].votes / clusters[k].num_votes));
     }
   }
-  const std::vector<Row> strongest = take_best(all.votes, options.max_rows, open);
+  const std::vector<Row> strongest = extract_best(all.votes, options.max_rows, open);
   const auto append = [&](Row row) {
     return table.add(all.model[row], all.source[row], all.T_proposed[row], all.votes[row],
                      all.share[row]);

@@ -99,7 +99,7 @@ void vote_from(const Voting& voting, std::uint32_t reference, VoteScratch& scrat
     scratch.num_votes +=
         kernels::cast_votes(scratch.votes, model.ppf, options.max_votes, scratch.accumulator);
     const kernels::VotePeaks peaks =
-        kernels::take_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
+        kernels::extract_peaks(scratch.accumulator, options.max_peaks, options.peak_share);
     for (std::size_t k = 0; k < peaks.count; ++k) {
       out[m * options.max_peaks + k] = {pose_of(peaks.peak[k], model, T_scene_frame),
                                         static_cast<float>(peaks.peak[k].votes)};

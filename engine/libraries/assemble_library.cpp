@@ -48,7 +48,7 @@ Result<void> finish_library(LibraryWriter writer, std::span<const ModelCopy> mod
                             const Progress& progress) {
   Result<void> written;
   progress(num_written, models.size(), {});
-  engine::prepare_ahead(
+  engine::run_pipeline(
       models.size() - num_written,
       [&](std::size_t k) { return check_and_pack(models[num_written + k], writer); },
       [&](std::size_t k, const Result<std::shared_ptr<PackedModel>>& packed) {

@@ -37,17 +37,17 @@ Result<SurfaceCache::Surface> SurfaceCache::get(
   if (is_new && surface) {
     const std::lock_guard lock(mutex_);
     slot->bytes = (*surface)->memory_bytes();
-    taken_ += slot->bytes;
+    used_bytes_ += slot->bytes;
     make_room();
   }
   return surface;
 }
 
 void SurfaceCache::make_room() {
-  for (auto at = slots_.end(); taken_ > bytes_ && at != slots_.begin();) {
+  for (auto at = slots_.end(); used_bytes_ > bytes_ && at != slots_.begin();) {
     --at;
     if (at == slots_.begin() || (*at)->bytes == 0) continue;  // just built, or not built yet
-    taken_ -= (*at)->bytes;
+    used_bytes_ -= (*at)->bytes;
     of_model_.erase((*at)->model);
     at = slots_.erase(at);
   }

@@ -38,7 +38,7 @@ class SurfaceCache {
   std::mutex mutex_;
   Slots slots_;  // the most recently requested one comes first
   std::unordered_map<std::uint32_t, Slots::iterator> of_model_;
-  std::size_t taken_ = 0;
+  std::size_t used_bytes_ = 0;
 };
 
 }  // namespace trivet::engine

@@ -167,9 +167,9 @@ Result<Surface> surface_from_points(Cloud cloud, const std::string& name,
   }
   TRIVET_TRY(engine::check_extent(cloud.points, name));
   const Result<Eigen::Vector3f> place = engine::find_viewpoint(cloud, options.viewpoint, name);
-  const bool is_seen =
+  const bool needs_viewpoint =
       method == SurfaceMethod::grid || (method == SurfaceMethod::greedy && cloud.normals.empty());
-  if (is_seen && !place) return place.error();
+  if (needs_viewpoint && !place) return place.error();
   const Eigen::Vector3f viewpoint = place ? *place : Eigen::Vector3f::Zero();
 
   Surface surface;

@@ -30,7 +30,7 @@ struct Widths {
   std::uint32_t least, most;
   std::uint32_t outlines;  // width of an outline, as this fraction of the picture's width
 };
-constexpr Widths kWhole{640, 1024, 320}, kDetail{360, 720, 130};
+constexpr Widths kFullImage{640, 1024, 320}, kDetail{360, 720, 130};
 constexpr float kSurroundings = 1.6F;       // side of a detail, in extents of its models
 constexpr std::int64_t kSmallestSide = 24;  // minimum side of a detail [pixel of the scan]
 constexpr float kHiddenShare = 0.35F;       // share of a model's color where the scan occludes it
@@ -321,14 +321,14 @@ void extend_boxes(const kernels::ImageGeometry& geometry, const Rendering& rende
 /// their boxes are known.
 void place_labels(const Frame& frame, const Rendering& rendering, std::span<const Overlay> overlays,
                   std::span<const std::uint32_t> which, std::vector<DrawnBox>& boxes) {
-  std::vector<std::uint32_t> seen = rendering.overlay;
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i] != kernels::Hit::kNone && is_hidden(frame, rendering, overlays, i))
-      seen[i] = kNoLabel;
+  std::vector<std::uint32_t> visible = rendering.overlay;
+  for (std::size_t i = 0; i < visible.size(); ++i) {
+    if (visible[i] != kernels::Hit::kNone && is_hidden(frame, rendering, overlays, i))
+      visible[i] = kNoLabel;
   }
   const auto width = static_cast<std::size_t>(frame.geometry.width);
   const std::vector<std::optional<std::size_t>> places =
-      innermost_pixels(seen, width, overlays.size());
+      innermost_pixels(visible, width, overlays.size());
   for (const std::uint32_t i : which) {
     DrawnBox& box = boxes[i];
     box.label_x = (box.left + box.right) / 2;
@@ -424,7 +424,7 @@ Result<SceneDrawing> SceneDrawing::prepare(const Cloud& cloud, const SceneInput&
 
 Result<ScenePictures> SceneDrawing::draw(std::span<const Overlay> overlays) {
   const kernels::ImageGeometry& geometry = state_->image.geometry;
-  return state_->draw(overlays, {0, 0, geometry.width, geometry.height}, kWhole);
+  return state_->draw(overlays, {0, 0, geometry.width, geometry.height}, kFullImage);
 }
 
 Result<ScenePictures> SceneDrawing::draw_around(std::span<const Overlay> models,

@@ -48,17 +48,17 @@ std::vector<Row> by_falling(std::span<const float> column, std::span<const Row> 
   return order;
 }
 
-std::vector<Row> take_best(std::span<const float> column, std::size_t limit,
-                           std::vector<Row>& rows) {
+std::vector<Row> extract_best(std::span<const float> column, std::size_t limit,
+                              std::vector<Row>& rows) {
   if (rows.size() <= limit) return std::exchange(rows, {});
   std::vector<Row> best = by_falling(column, rows);
   best.resize(limit);
   std::ranges::sort(best);
   const auto rest = std::stable_partition(
       rows.begin(), rows.end(), [&](Row row) { return std::ranges::binary_search(best, row); });
-  std::vector<Row> taken(rows.begin(), rest);
+  std::vector<Row> extracted(rows.begin(), rest);
   rows.erase(rows.begin(), rest);
-  return taken;
+  return extracted;
 }
 
 }  // namespace trivet::engine

@@ -98,7 +98,7 @@ std::vector<Row> by_falling(std::span<const float> column, std::span<const Row> 
 
 /// Remove the `limit` rows with the largest values from `rows`. These and the rest keep their
 /// order.
-std::vector<Row> take_best(std::span<const float> column, std::size_t limit,
-                           std::vector<Row>& rows);
+std::vector<Row> extract_best(std::span<const float> column, std::size_t limit,
+                              std::vector<Row>& rows);
 
 }  // namespace trivet::engine

@@ -148,8 +148,9 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   if (!plan) return plan.error();
 
   std::optional<Cloud> without_stray;
-  const bool is_seen = scan.points.size() >= engine::kFewestPoints || !scan.triangles.empty();
-  if (is_seen) {
+  const bool is_large_enough =
+      scan.points.size() >= engine::kFewestPoints || !scan.triangles.empty();
+  if (is_large_enough) {
     TRIVET_TRY(check_sizes(library, scan, input, without_stray));
     TRIVET_TRY(check_viewpoint(scan, input));
   }
@@ -160,7 +161,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   stats.num_points = cloud.points.size();
   stats.num_invalid = cloud.num_invalid;
   stats.size = size_of(cloud.points);
-  if (!is_seen) {
+  if (!is_large_enough) {
     SceneResult nothing;
     nothing.offset = cloud.offset;
     nothing.stats = std::move(stats);

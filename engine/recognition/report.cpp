@@ -26,7 +26,7 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
   const FullTest& test = poses.test(row);
   const Ambiguity& ambiguity = poses.ambiguity(row);
   const kernels::Examination& e = test.examination;
-  const float seen = e.consistent + e.violation + e.background;
+  const float measured = e.consistent + e.violation + e.background;
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   Detection detection;
   detection.model = library.models[poses.model[row]].name;
@@ -38,7 +38,7 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
     detection.hidden_fraction = e.occluded / silhouette;
     detection.outside_fraction = e.outside / silhouette;
   }
-  detection.violation = seen > 0 ? e.violation / seen : 0;
+  detection.violation = measured > 0 ? e.violation / measured : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.mean_square) * test.tolerance / static_cast<float>(scene_scale);
   detection.parts = test.parts;

@@ -180,17 +180,17 @@ Result<void> SceneSearch::test_best() {
     std::erase_if(waiting_, [&](Row) { return explained[k++] != 0; });
     const std::size_t judged =
         limits.refined < kNoLimit / kContourShare ? kContourShare * limits.refined : kNoLimit;
-    rows = take_best(table_.score, judged, waiting_);
+    rows = extract_best(table_.score, judged, waiting_);
     verifier_.judge_contours(table_, rows);
     rows = choose_of_each_model(
         table_, rows, library_, [&](const Model& model, std::span<const Row> of_model) {
           return choose_to_refine(table_, of_model, model, plan_.pose.max_refined);
         });
-    rows = take_best(table_.score, limits.refined, rows);
+    rows = extract_best(table_.score, limits.refined, rows);
   }
   refine(rows);
   rows = choose_to_examine(rows);
-  return examine(take_best(table_.score, limits.examined, rows));
+  return examine(extract_best(table_.score, limits.examined, rows));
 }
 
 Result<void> SceneSearch::test_look_alikes() {
@@ -205,7 +205,7 @@ Result<void> SceneSearch::test_look_alikes() {
   for (const std::vector<Row>& list : *lists) all.insert(all.end(), list.begin(), list.end());
   refine(all);
   for (std::vector<Row>& list : *lists)
-    std::ranges::copy(take_best(table_.score, plan_.limits.look_alikes, list),
+    std::ranges::copy(extract_best(table_.score, plan_.limits.look_alikes, list),
                       std::back_inserter(chosen));
   return examine(choose_to_examine(chosen));
 }

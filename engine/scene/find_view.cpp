@@ -46,7 +46,7 @@ Eigen::AlignedBox3d box_of(const Cloud& cloud) {
 
 /// Whether the surface was seen from the origin, for either winding of the triangles. The origin
 /// must not lie among the points, since no sensor sees more than half of all directions.
-bool seen_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
+bool is_viewed_from_origin(const Cloud& cloud, const Eigen::AlignedBox3d& box) {
   if (box.contains(Vector3d::Zero().eval())) return false;
   const SolidAngles angles = solid_angles(cloud, Vector3d::Zero());
   const double all = angles.front + angles.back;
@@ -74,7 +74,7 @@ std::optional<Vector3d> find_far_viewpoint(const Cloud& cloud, const Eigen::Alig
 std::optional<SceneView> view_of_faces(const Cloud& cloud) {
   const Eigen::AlignedBox3d box = box_of(cloud);
   // A cloud with an offset is far from its origin and was seen from elsewhere.
-  if (cloud.offset.isZero(0) && seen_from_origin(cloud, box))
+  if (cloud.offset.isZero(0) && is_viewed_from_origin(cloud, box))
     return SceneView{SceneKind::points, ViewSource::faces, Vector3d::Zero().eval()};
   if (const std::optional<Vector3d> eye = find_far_viewpoint(cloud, box))
     return SceneView{SceneKind::points, ViewSource::faces, *eye + cloud.offset};

@@ -199,7 +199,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       in_cloud_frame(*scene.view.viewpoint, cloud.offset) * static_cast<float>(input.scale);
-  const auto cannot_be_seen = [&] {
+  const auto no_visible_points = [&] {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected a scan seen from the viewpoint ({}, {}, {}), found {} "
                              "points that no camera "
@@ -208,7 +208,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                              cloud.points.size())};
   };
   const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
-  if (!view) return cannot_be_seen();
+  if (!view) return no_visible_points();
   if (!view->scattered) scene.view.kind = SceneKind::image;
   const kernels::ImageGeometry& geometry = view->geometry;
 
@@ -217,7 +217,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
     footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
   }
   scene.spacing = kernels::median(std::span(footprints));
-  if (!(scene.spacing > 0)) return cannot_be_seen();  // most points lie behind the sensor
+  if (!(scene.spacing > 0)) return no_visible_points();  // most points lie behind the sensor
 
   kernels::PixelPoints pixels;
   kernels::arrange_pixels(view->grid, scene.points, pixels);
@@ -400,7 +400,7 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
 }
 
 /// Choose the faces of a closed scene; points on none of them are removed.
-Triangles take_surface(const Cloud& cloud, PreparedScene& scene) {
+Triangles choose_faces(const Cloud& cloud, PreparedScene& scene) {
   const UsedVertices used = find_used_vertices(scene.points, cloud.triangles);
   if (used.num_unused == 0 || used.num_unused == scene.points.size()) return cloud.triangles;
   Cloud surface;
@@ -438,7 +438,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), kFewestPoints, cloud.points.size())};
   }
   TRIVET_TRY(check_extent(scene.points, input.file.string()));
-  TRIVET_TRY(closed ? prepare_closed_scene(take_surface(cloud, scene), input, options, scene)
+  TRIVET_TRY(closed ? prepare_closed_scene(choose_faces(cloud, scene), input, options, scene)
                     : prepare_sensor_scene(cloud, input, options, scene));
   return scene;
 }

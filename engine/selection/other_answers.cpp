@@ -23,7 +23,7 @@ constexpr double kCrowd = 0.03;
 constexpr float kSiblingScore = 0.5F;  // share of the pose's score
 // The votes of compare_poses are for blocks whose errors are correlated in the worst case. By the
 // same scenes, in which few models are searched for, they carry four times as much evidence.
-constexpr double kVotesTell = 4;
+constexpr double kVoteWeight = 4;
 // Minimum share relative to the pose's; models with less are distinguishable.
 constexpr double kNoted = 0.1;
 constexpr std::size_t kPosesOfSibling = 2;  // number of best poses to compare
@@ -83,7 +83,7 @@ Result<void> OtherAnswers::weigh(Row row, SettledPose& settled) const {
 double OtherAnswers::sibling_log_odds(Row sibling, Row row,
                                       const kernels::PoseComparison& comparison) const noexcept {
   return among_ == Among::few_models
-             ? kVotesTell * comparison.log_ratio
+             ? kVoteWeight * comparison.log_ratio
              : rival_log_odds(poses_.table.score[sibling], poses_.table.score[row], comparison);
 }
 

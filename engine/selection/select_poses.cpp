@@ -160,18 +160,18 @@ std::vector<Row> best_refused(const Library& library, const PoseTable& table,
     placements.push_back(table.T_scene_model[row]);
     placements.insert(placements.end(), alternatives.begin(), alternatives.end());
   }
-  std::vector<std::uint32_t> taken(library.models.size(), 0);
+  std::vector<std::uint32_t> num_selected(library.models.size(), 0);
   std::vector<Row> best;
   for (const Refusal& refusal : order) {
     const std::uint32_t model = table.model[refusal.row];
     const Pose& pose = table.T_scene_model[refusal.row];
-    if (taken[model] == limit) continue;
+    if (num_selected[model] == limit) continue;
     const bool is_known = std::ranges::any_of(known[model], [&](const Pose& placement) {
       return same_placement(library.models[model], placement, pose);
     });
     if (is_known) continue;
     known[model].push_back(pose);
-    ++taken[model];
+    ++num_selected[model];
     best.push_back(refusal.row);
   }
   return by_falling(table.score, best);

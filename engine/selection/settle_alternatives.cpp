@@ -24,7 +24,7 @@ constexpr int kMaxHops = 3;                // steps from an alternative to a bet
 // In standard deviations: odds of three to one if pixel errors are independent. If neighboring
 // errors are correlated, edges and creases appear displaced, so an alternative must be
 // significantly better.
-constexpr double kTelling = 0.7;
+constexpr double kLeastSignificance = 0.7;
 constexpr float kSameAxis = 0.99F;  // cosine
 // Factor on the odds of a pose with an equally good alternative at its place that its shape does
 // not explain. This is typical of false detections: in the drawn scenes of scripts/calibrate, it
@@ -44,8 +44,9 @@ class AmbiguityTest {
     TestedPose& pose = out.pose;
     pose = {table.T_scene_model[row], table.score[row], table.test(row)};
     kernels::TurnComparison turns = settle_turn(pose);
-    const double telling = std::lerp(kTelling, kernels::PoseComparison::kSignificant,
-                                     static_cast<double>(tester_.scene().sensor.correlation));
+    const double least_significance =
+        std::lerp(kLeastSignificance, kernels::PoseComparison::kSignificant,
+                  static_cast<double>(tester_.scene().sensor.correlation));
     std::vector<Alike> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
@@ -53,7 +54,7 @@ class AmbiguityTest {
       double most = 0;
       for (const Pose& alternative : alternatives_of(table.model[row], pose.T_scene_model)) {
         const kernels::PoseComparison comparison = compare(alternative, pose.T_scene_model);
-        if (comparison.log_ratio > most && comparison.z > telling) {
+        if (comparison.log_ratio > most && comparison.z > least_significance) {
           most = comparison.log_ratio;
           better = alternative;
         }

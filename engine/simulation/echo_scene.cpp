@@ -116,7 +116,7 @@ std::array<double, 3> gaussian(double sigma) {
 
 Echo Echoes::direct(std::size_t i, double& glint) const {
   glint = 1;
-  if (at_edge(image_, camera_, i)) return all_over(i);
+  if (at_edge(image_, camera_, i)) return subpixel_echo(i);
   const Vector3d along = ray(i), to_camera = -along.normalized(),
                  normal = image_.normals[i].cast<double>();
   const Finish& finish = finishes_[image_.instance[i]];
@@ -127,7 +127,7 @@ Echo Echoes::direct(std::size_t i, double& glint) const {
   return echo;
 }
 
-Echo Echoes::all_over(std::size_t i) const {
+Echo Echoes::subpixel_echo(std::size_t i) const {
   Echo echo;
   const auto column = static_cast<double>(i % image_.width),
              row = static_cast<double>(i / image_.width);
@@ -172,9 +172,9 @@ Echo Echoes::bounced(std::size_t i, int num_rays, CounterRandom& random) const {
     const double u = std::round(camera_.fx * other.x() / other.z() + camera_.cx),
                  v = std::round(camera_.fy * other.y() / other.z() + camera_.cy);
     if (!(u >= 0 && v >= 0 && u < image_.width && v < image_.height)) continue;
-    const auto seen = static_cast<double>(
+    const auto depth = static_cast<double>(
         image_.depth[static_cast<std::size_t>(v) * image_.width + static_cast<std::size_t>(u)]);
-    if (other.z() > 1.02 * seen) continue;
+    if (other.z() > 1.02 * depth) continue;
     const double way = other.norm();
     const double light =
         kernels::time_of_flight_signal(way, std::abs(hit.normal.cast<double>().dot(other)) / way,

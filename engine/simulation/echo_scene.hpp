@@ -47,7 +47,7 @@ class Echoes {
   Echo bounced(std::size_t i, int num_rays, kernels::CounterRandom& random) const;
 
  private:
-  Echo all_over(std::size_t i) const;
+  Echo subpixel_echo(std::size_t i) const;
 
   const kernels::RayScene& rays_;
   const Camera& camera_;

@@ -56,13 +56,13 @@ class Matcher {
     CounterRandom random(seed_, stream_, kDotItem + i);
     if (random.uniform() >= match_.dot_share) return kernels::kNoDot;
     const auto z = static_cast<double>(image_.depth[i]);
-    if (z == 0) return kernels::kUnseenDot;
+    if (z == 0) return kernels::kHiddenDot;
     const double pattern = random.normal(), frame = random.normal(),
                  speckle = std::exp(match_.speckle * random.normal());
     const double glint = glint_of(i, z, speckle);
-    if (!std::isfinite(glint)) return kernels::kUnseenDot;
+    if (!std::isfinite(glint)) return kernels::kHiddenDot;
     const double disparity = fb_ / z + glint * (pattern_noise_ * pattern + frame_noise_ * frame);
-    return disparity > 0 ? static_cast<float>(disparity) : kernels::kUnseenDot;
+    return disparity > 0 ? static_cast<float>(disparity) : kernels::kHiddenDot;
   }
 
   /// Disparity with the errors added to a window's result [pixel].
@@ -97,20 +97,20 @@ class Matcher {
 
   /// Factor of a dot's noise due to mirrored light; infinite: the dot is not visible.
   double glint_of(std::size_t i, double z, double speckle) const {
-    constexpr double kUnseen = std::numeric_limits<double>::infinity();
+    constexpr double kHidden = std::numeric_limits<double>::infinity();
     const auto u = static_cast<double>(i % image_.width), v = static_cast<double>(i / image_.width);
     const Vector3d along((u - camera_.cx) / camera_.fx, (v - camera_.cy) / camera_.fy, 1),
         point = z * along, to_camera = -along.normalized(),
         to_light = (light_ - point).normalized(), normal = image_.normals[i].cast<double>();
     const double lit = normal.dot(to_light);
-    if (normal.dot(to_camera) <= min_cosine_ || lit <= min_cosine_) return kUnseen;
+    if (normal.dot(to_camera) <= min_cosine_ || lit <= min_cosine_) return kHidden;
     const Finish& finish = finishes_[image_.instance[i]];
     const double print = patches_ > 0 ? std::exp(patches_ * print_.at(u, v)) : 1;
-    if (finish.reflectance * print * speckle * lit / (z * z) < match_.least_light) return kUnseen;
+    if (finish.reflectance * print * speckle * lit / (z * z) < match_.least_light) return kHidden;
     const double glint = glare(finish, normal, to_light, to_camera);
-    if (!std::isfinite(glint)) return kUnseen;
+    if (!std::isfinite(glint)) return kHidden;
     const Vector3f from = light_.cast<float>(), reach = (point - light_).cast<float>();
-    return rays_.occluded(from, reach, 0, static_cast<float>(1 - kBeforeSurface)) ? kUnseen : glint;
+    return rays_.occluded(from, reach, 0, static_cast<float>(1 - kBeforeSurface)) ? kHidden : glint;
   }
 
   const kernels::RayScene& rays_;

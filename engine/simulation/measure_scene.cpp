@@ -259,19 +259,19 @@ std::vector<std::uint16_t> measure_scene(const ExactScene& scene, const SensorOp
                                          const SensorFlaws& flaws) {
   const ExactImage& image = scene.image;
   const SensorTraits& traits = traits_of(options.sensor);
-  std::vector<float> whole;  // depths of a sensor with dependent pixels
+  std::vector<float> depths;  // depths of a sensor with dependent pixels
   if (flaws.match.half_window_pixel > 0)
-    whole = match_scene(scene, options, flaws, seed, stream);
+    depths = match_scene(scene, options, flaws, seed, stream);
   else if (flaws.echo != EchoFlaws{})
-    whole = echo_scene(scene, options, flaws, seed, stream);
+    depths = echo_scene(scene, options, flaws, seed, stream);
   const Pixels pixels(scene, options, flaws.line, seed, stream);
   const Writer writer(image.width, image.height, flaws, traits.depth_step);
   std::vector<std::uint16_t> out(image.depth.size());
   for_chunks(image.height, kRowGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t i = first * image.width; i < (first + count) * image.width; ++i) {
       CounterRandom random(seed, stream, kFirstPixelItem + i);
-      out[i] =
-          writer.raw(pixels.in_range(whole.empty() ? pixels.measure(i, random) : double{whole[i]}));
+      out[i] = writer.raw(
+          pixels.in_range(depths.empty() ? pixels.measure(i, random) : double{depths[i]}));
     }
   });
   writer.cut_holes(seed, stream, out);

@@ -21,7 +21,7 @@ double between_logs(CounterRandom& random, double low, double high) {
   return low * std::pow(high / low, random.uniform());
 }
 
-std::uint32_t whole(CounterRandom& random, std::uint32_t low, std::uint32_t high) {
+std::uint32_t draw_integer(CounterRandom& random, std::uint32_t low, std::uint32_t high) {
   return low + static_cast<std::uint32_t>(random.next() % (high - low + 1));
 }
 
@@ -48,14 +48,14 @@ CalibrationFlaws draw_calibration(CounterRandom& random) {
 MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   const bool stereo = sensor == Sensor::stereo;
   MatchFlaws flaws;
-  flaws.half_window_pixel = whole(random, stereo ? 2 : 3, 6);
+  flaws.half_window_pixel = draw_integer(random, stereo ? 2 : 3, 6);
   const double pixels = std::pow(2 * flaws.half_window_pixel + 1, 2);
   // Fewer than five dots per window would leave holes everywhere. For stereo, surfaces add texture
   // between the dots.
   flaws.dot_share = std::max(5 / pixels, random.uniform(0.06, stereo ? 0.18 : 0.12));
   flaws.taper = random.uniform(0.05, 0.9);
   flaws.reach_pixel = random.uniform(0.7, 1.3);
-  flaws.fewest_dots = whole(random, 2, 3);
+  flaws.fewest_dots = draw_integer(random, 2, 3);
   flaws.least_share = happens(random, 0.25) ? 0 : random.uniform(0.1, 0.65);
 
   // Dots with much larger errors would not agree with one another.
@@ -63,7 +63,7 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
       std::min(between_logs(random, 0.04, 0.15), kMostOfADot / std::sqrt(flaws.dot_share * pixels));
   flaws.white_share = random.uniform(0, 0.4);
   flaws.frame_share = random.uniform(0.2, 0.8);
-  flaws.frames = happens(random, 0.6) ? 1 : whole(random, 2, 10);
+  flaws.frames = happens(random, 0.6) ? 1 : draw_integer(random, 2, 10);
   const double wave = random.uniform();
   flaws.wave_pixel = flaws.noise_pixel * (wave < 0.2   ? 0
                                           : wave < 0.5 ? random.uniform(0.3, 1)
@@ -74,8 +74,8 @@ MatchFlaws draw_match(Sensor sensor, CounterRandom& random) {
   flaws.step_pixel = step < 0.15 ? 0 : step < 0.3 ? 1.0 / 16 : stereo ? 1.0 / 32 : 1.0 / 8;
 
   const double filter = random.uniform();
-  flaws.median_pixel = filter < 0.2 ? whole(random, 1, 2) : 0;
-  flaws.smoothing_pixel = filter > 0.5 ? whole(random, 1, 6) : 0;
+  flaws.median_pixel = filter < 0.2 ? draw_integer(random, 1, 2) : 0;
+  flaws.smoothing_pixel = filter > 0.5 ? draw_integer(random, 1, 6) : 0;
   flaws.smoothing_reach_pixel = between_logs(random, 0.3, 6);
   flaws.fill_pixel =
       happens(random, 0.5) ? 0 : static_cast<std::uint32_t>(between_logs(random, 2, 20));
@@ -101,13 +101,13 @@ EchoFlaws draw_echo(CounterRandom& random) {
   flaws.noise = between_logs(random, 0.5, 3);
   flaws.wave = happens(random, 0.2) ? 0 : random.uniform(0.3, 1);
   flaws.wave_length_pixel = between_logs(random, 4, 30);
-  flaws.frames = happens(random, 0.6) ? 1 : whole(random, 2, 10);
+  flaws.frames = happens(random, 0.6) ? 1 : draw_integer(random, 2, 10);
   flaws.multipath = happens(random, 0.25) ? 0 : random.uniform(0.2, 1.5);
   flaws.blur_pixel = happens(random, 0.3) ? 0 : random.uniform(0.3, 1.2);
   flaws.wiggle_m = happens(random, 0.4) ? 0 : between_logs(random, 0.0005, 0.006);
   flaws.wiggle_period_m = random.uniform(0.3, 1.5);
   flaws.drops_edges = happens(random, 0.4);
-  flaws.smoothing_pixel = happens(random, 0.5) ? 0 : whole(random, 1, 3);
+  flaws.smoothing_pixel = happens(random, 0.5) ? 0 : draw_integer(random, 1, 3);
   flaws.smoothing_reach_m = between_logs(random, 0.005, 0.05);
   return flaws;
 }
@@ -139,7 +139,7 @@ SensorFlaws draw_flaws(Sensor sensor, CounterRandom& random) {
   flaws.calibration = draw_calibration(random);
   flaws.patches = happens(random, 0.4) ? 0 : random.uniform(0.2, 1);
   flaws.patch_length_pixel = between_logs(random, 15, 80);
-  flaws.holes = happens(random, 0.4) ? 0 : whole(random, 5, 120);
+  flaws.holes = happens(random, 0.4) ? 0 : draw_integer(random, 5, 120);
   flaws.hole_radius_pixel = between_logs(random, 1.5, 8);
   if (sensor == Sensor::structured_light || sensor == Sensor::stereo)
     flaws.match = draw_match(sensor, random);

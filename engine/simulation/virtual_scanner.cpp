@@ -290,20 +290,22 @@ void add_room(const Points& points, const Pose& T_camera_world, CounterRandom& r
   for (std::size_t i = 0; i < points.size(); ++i) box.extend(points[i].cast<double>());
   const Vector3d view = T_camera_world.linear().cast<double>().row(2);
   const double azimuth = std::atan2(view.y(), view.x()) + random.uniform(-0.5, 0.5);
-  const Vector3d ahead(std::cos(azimuth), std::sin(azimuth), 0), aside(-ahead.y(), ahead.x(), 0);
+  const Vector3d forward(std::cos(azimuth), std::sin(azimuth), 0),
+      sideways(-forward.y(), forward.x(), 0);
   const auto corners = [&](double back, double front, double side, double z) {
     const Vector3d middle = box.center(), up(0, 0, z - middle.z());
-    sheet.add(middle + up - back * ahead - side * aside, middle + up + front * ahead - side * aside,
-              middle + up + front * ahead + side * aside,
-              middle + up - back * ahead + side * aside);
+    sheet.add(middle + up - back * forward - side * sideways,
+              middle + up + front * forward - side * sideways,
+              middle + up + front * forward + side * sideways,
+              middle + up - back * forward + side * sideways);
   };
   const double extent = box.sizes().head<2>().norm() / 2, floor = -random.uniform(0.4, 1);
   corners(extent + 0.5, extent + random.uniform(0.02, 0.5), extent + random.uniform(0.05, 0.6), 0);
   const double wall = extent + random.uniform(1, 3), far = 20 * wall;
   corners(far, wall, far, floor);
-  const Vector3d foot = box.center() + wall * ahead, up(0, 0, 1);
-  sheet.add(foot - far * aside + floor * up, foot + far * aside + floor * up,
-            foot + far * aside + far * up, foot - far * aside + far * up);
+  const Vector3d foot = box.center() + wall * forward, up(0, 0, 1);
+  sheet.add(foot - far * sideways + floor * up, foot + far * sideways + floor * up,
+            foot + far * sideways + far * up, foot - far * sideways + far * up);
 }
 
 /// Draw the finish of an object in a scene. Random numbers are drawn in the order of the objects.
@@ -366,7 +368,7 @@ Result<int> count_silhouette(const RayScene::Instance& object, PointsView vertic
 struct Measured {
   std::vector<int> visible;  // number of pixels of the exact image that show it
   std::vector<double> area;  // measured area [m^2]
-  double whole_area = 0;     // area of the whole scene
+  double total_area = 0;     // area of the whole scene
 };
 
 Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> depths,
@@ -383,13 +385,13 @@ Measured count_measured(const ExactImage& image, std::span<const std::uint16_t> 
     if (facing <= static_cast<double>(kernels::kMinViewCosine) * ray.norm()) continue;
     const double patch = z * z / (camera.fx * camera.fy * facing);
     out.area[image.instance[i]] += patch;
-    out.whole_area += patch;
+    out.total_area += patch;
   }
   return out;
 }
 
 /// Visibility of an object in the exact image.
-struct Seen {
+struct VisiblePixels {
   int num_all = 0, num_visible = 0;  // pixels of the silhouette, and those that show the object
 
   double fraction() const {
@@ -528,11 +530,11 @@ Result<RenderedScene> VirtualScanner::scan(std::uint32_t index) const {
     BopInstance& bop = scene.bop.instances.emplace_back();
     bop.object_id = static_cast<int>(model) + 1;
     bop.T_camera_model = scaled(T_written_model, 1000);
-    TruthInstance truth = Seen{num_all, measured.visible[i]}.truth();
+    TruthInstance truth = VisiblePixels{num_all, measured.visible[i]}.truth();
     truth.model = models[model].name;
     truth.T_scene_model = scaled(T_written_model, unit_scale(LengthUnit::meter, unit));
     truth.occlusion = 1 - std::min(1.0, measured.area[i] / areas[model]);
-    truth.clutter = measured.whole_area > 0 ? 1 - measured.area[i] / measured.whole_area : 1;
+    truth.clutter = measured.total_area > 0 ? 1 - measured.area[i] / measured.total_area : 1;
     scene.truth.push_back(std::move(truth));
   }
   return scene;

@@ -21,7 +21,7 @@ constexpr float kNormalClusterRad = 0.52F;
 constexpr float kPointSpacing = 2;
 constexpr float kModelShare = kPointSpacing * kShare;
 constexpr std::size_t kNumPartialViews = 42;  // views among the directions of samples
-constexpr std::size_t kFewestSeen = 25;
+constexpr std::size_t kFewestVisible = 25;
 // Maximum difference of what two similar views see. At 0.04 few views are similar, and five groups
 // cover so few of all views that less is found.
 constexpr float kLikeSupport = 0.2F;
@@ -41,7 +41,7 @@ struct Surface {
 /// The visible surface with outward normals.
 Surface visible_surface(const SurveyedModel& model, float spacing, const ViewMask& directions) {
   const SpreadPoints even = sample_evenly(model, spacing, kNormalClusterRad);
-  Surface seen;
+  Surface visible;
   std::vector<ViewMask> masks(even.points.size());
   const float offset = std::max(model.ray_offset, 1e-3F * model.diameter);
   for_chunks(masks.size(), 256, [&](std::size_t first, std::size_t count) {
@@ -51,11 +51,11 @@ Surface visible_surface(const SurveyedModel& model, float spacing, const ViewMas
   });
   for (std::size_t i = 0; i < masks.size(); ++i) {
     if (masks[i] == ViewMask{}) continue;
-    seen.points.push_back(even.points[i]);
-    seen.normals.push_back(even.normals[i]);
-    seen.views.push_back(masks[i]);
+    visible.points.push_back(even.points[i]);
+    visible.normals.push_back(even.normals[i]);
+    visible.views.push_back(masks[i]);
   }
-  return seen;
+  return visible;
 }
 
 /// Index of a partial view among the directions of samples.
@@ -65,23 +65,23 @@ std::size_t partial_view(std::size_t v) {
 
 /// Bits of a point's views. Bit 0: all points together, which no view sees. Bit 1 + v: partial view
 /// v.
-constexpr std::size_t kWhole = 0, kFirstView = 1;
+constexpr std::size_t kFullSurface = 0, kFirstView = 1;
 
 std::vector<kernels::ViewBits> partial_views_of(std::span<const ViewMask> views) {
-  std::vector<kernels::ViewBits> bits(views.size(), kernels::ViewBits{1} << kWhole);
-  std::array<std::size_t, kernels::kMostPartialViews> num_seen{};
+  std::vector<kernels::ViewBits> bits(views.size(), kernels::ViewBits{1} << kFullSurface);
+  std::array<std::size_t, kernels::kMostPartialViews> num_visible{};
   for (std::size_t i = 0; i < views.size(); ++i) {
     for (std::size_t v = 0; v < kNumPartialViews; ++v) {
       if (!kernels::is_visible(views[i], partial_view(v))) continue;
       bits[i] |= kernels::ViewBits{1} << (kFirstView + v);
-      ++num_seen[kFirstView + v];
+      ++num_visible[kFirstView + v];
     }
   }
   kernels::ViewBits of_use = ~kernels::ViewBits{0};
-  for (std::size_t v = kFirstView; v < num_seen.size(); ++v) {
-    if (num_seen[v] < kFewestSeen) of_use &= ~(kernels::ViewBits{1} << v);
+  for (std::size_t v = kFirstView; v < num_visible.size(); ++v) {
+    if (num_visible[v] < kFewestVisible) of_use &= ~(kernels::ViewBits{1} << v);
   }
-  if (views.size() < kFewestSeen) of_use = 0;
+  if (views.size() < kFewestVisible) of_use = 0;
   for (kernels::ViewBits& some : bits) some &= of_use;
   return bits;
 }
@@ -114,7 +114,7 @@ struct ViewedSurface {
 struct KeypointScratch {
   kernels::ViewedSupport all;
   kernels::LikeViews views;
-  kernels::Support seen;
+  kernels::Support visible;
   kernels::SpinScratch spin;
   std::array<float, kernels::kTriSpinSize> image;
 };
@@ -148,10 +148,10 @@ void describe_keypoint(const ViewedSurface& model, std::uint32_t point,
   while (left != 0 && out.size() < before + kMostDescriptions) {
     const std::size_t view = kernels::most_typical(scratch.views, left);
     left &= ~scratch.views.alike[view];
-    kernels::take_view(model.grid, scratch.all, view, model.sharers, scratch.seen);
+    kernels::extract_view(model.grid, scratch.all, view, model.sharers, scratch.visible);
     const Eigen::Matrix3f frame =
-        kernels::describe_support(scratch.seen, model.surface.normals[point], model.radius, limits,
-                                  scratch.image, scratch.spin)
+        kernels::describe_support(scratch.visible, model.surface.normals[point], model.radius,
+                                  limits, scratch.image, scratch.spin)
             .axes;
     if (frame.isZero() || is_known(out, before, frame, scratch.image)) continue;
     out.keypoints.push_back(model.surface.points[point]);

@@ -215,10 +215,10 @@ Result<SurveyedModel> survey_model(const Cloud& cloud, const ModelSource& source
     if (model.has_faces()) model.num_turned = count_turned(given, all.normals);
     keep_visible_samples(model);
   }
-  const std::size_t num_seen = model.samples.points.size();
-  if (num_seen < 20) {
+  const std::size_t num_visible = model.samples.points.size();
+  if (num_visible < 20) {
     return bad_surface(source,
-                       fmt::format("only {} places that can be seen from outside", num_seen));
+                       fmt::format("only {} places that can be seen from outside", num_visible));
   }
   model.center = mean_of(model.samples.points);
   return model;
@@ -253,7 +253,7 @@ SpreadPoints sample_evenly(const SurveyedModel& model, float step, float max_ang
   } else {
     dense = thin_cloud(model.vertices, std::min(known.spacing, 0.5F * step));
   }
-  if (!model.faces_look_outward()) {
+  if (!model.faces_point_outward()) {
     orient_by_samples(known.points, known.normals, model.all_views, known.spacing, dense.points,
                       dense.normals);
   }

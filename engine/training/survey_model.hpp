@@ -44,7 +44,7 @@ struct SurveyedModel {
   std::size_t num_unused = 0, num_without_area = 0;
 
   bool has_faces() const noexcept { return !areas.empty(); }
-  bool faces_look_outward() const noexcept { return has_faces() && num_turned == 0; }
+  bool faces_point_outward() const noexcept { return has_faces() && num_turned == 0; }
   std::size_t num_hidden() const noexcept { return all_views.size() - sample_views.size(); }
 };
 

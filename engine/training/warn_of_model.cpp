@@ -12,7 +12,7 @@
 namespace trivet::engine {
 namespace {
 
-constexpr double kMostSeenAtOnce = 0.9;  // one view sees about half of a closed surface
+constexpr double kMostVisibleShare = 0.9;  // one view sees about half of a closed surface
 constexpr double kMostHidden = 0.3;
 constexpr double kMostTurned = 0.5;
 constexpr double kMostOpen = 0.05;
@@ -26,12 +26,13 @@ double share(std::size_t part, std::size_t all) {
 }
 
 /// The share of samples visible in the view that sees most.
-double most_seen_at_once(std::span<const ViewMask> views) {
-  std::array<std::size_t, kernels::kNumViews> seen{};
+double most_visible_share(std::span<const ViewMask> views) {
+  std::array<std::size_t, kernels::kNumViews> visible{};
   for (const ViewMask& mask : views) {
-    for (std::size_t d = 0; d < seen.size(); ++d) seen[d] += kernels::is_visible(mask, d) ? 1 : 0;
+    for (std::size_t d = 0; d < visible.size(); ++d)
+      visible[d] += kernels::is_visible(mask, d) ? 1 : 0;
   }
-  return share(*std::ranges::max_element(seen), views.size());
+  return share(*std::ranges::max_element(visible), views.size());
 }
 
 /// The area missing from a closed surface: 0 for a closed surface, up to 1 for a sheet. It is the
@@ -67,11 +68,11 @@ std::vector<std::string> warn_of_model(const SurveyedModel& model) {
     warnings.push_back(
         fmt::format("{} without area left out", counted(model.num_without_area, "triangle")));
   }
-  if (const double seen = most_seen_at_once(model.sample_views); seen > kMostSeenAtOnce) {
+  if (const double visible = most_visible_share(model.sample_views); visible > kMostVisibleShare) {
     warnings.push_back(
         fmt::format("one view sees {:.0f} % of it, as of a scene or a scan from one "
                     "side; give the whole object",
-                    100 * seen));
+                    100 * visible));
   }
   if (const double hidden = share(model.num_hidden(), model.all_views.size());
       hidden > kMostHidden) {

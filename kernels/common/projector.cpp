@@ -56,11 +56,11 @@ float write_rounded(const float* __restrict vector, const float* __restrict mean
                     float* __restrict less, std::int16_t* __restrict out) noexcept {
   std::array<float, 16> squares{};  // in lanes: the same order for any width
   for (std::size_t i = 0; i < n; ++i) less[i] = vector[i] - mean[i];
-  const std::size_t whole = n / squares.size() * squares.size();
-  for (std::size_t i = 0; i < whole; i += squares.size()) {
+  const std::size_t num_in_blocks = n / squares.size() * squares.size();
+  for (std::size_t i = 0; i < num_in_blocks; i += squares.size()) {
     for (std::size_t k = 0; k < squares.size(); ++k) squares[k] += less[i + k] * less[i + k];
   }
-  for (std::size_t i = whole; i < n; ++i) squares[i - whole] += less[i] * less[i];
+  for (std::size_t i = num_in_blocks; i < n; ++i) squares[i - num_in_blocks] += less[i] * less[i];
   float squared = 0;
   for (const float lane : squares) squared += lane;
   // 2^exponent exceeds the length, to which rounding adds, by a factor of at most 2.

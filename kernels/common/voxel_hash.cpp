@@ -81,15 +81,15 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
                                                      float max_radius) const noexcept {
   constexpr std::uint32_t kNone = 0xFFFFFFFF;
   const PointsView sorted = sorted_;
-  const std::optional<Ball> whole = ball(query, max_radius);
-  if (!whole) return std::nullopt;
-  const std::array<std::int64_t, 3>&low = whole->low, &high = whole->high;
+  const std::optional<Ball> bounds = ball(query, max_radius);
+  if (!bounds) return std::nullopt;
+  const std::array<std::int64_t, 3>&low = bounds->low, &high = bounds->high;
 
   // The ball shrinks to the best point so far; ties go to the lower index.
   Nearest best{kNone, max_radius * max_radius};
-  double radius = whole->radius;
+  double radius = bounds->radius;
   const auto search_row = [&](const Row& row, std::int64_t y, std::int64_t z) {
-    consider_row(row, *whole, radius, y, z, [&](std::size_t first, std::size_t last) {
+    consider_row(row, *bounds, radius, y, z, [&](std::size_t first, std::size_t last) {
       const float before = best.squared_distance;
       for (std::size_t i = first; i < last; ++i) {
         const float d2 = squared_distance(sorted, i, query);
@@ -109,7 +109,8 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
     return static_cast<std::int64_t>(
         std::clamp(value, static_cast<double>(first), static_cast<double>(last)));
   };
-  const std::int64_t y0 = within(whole->y, low[1], high[1]), z0 = within(whole->z, low[2], high[2]);
+  const std::int64_t y0 = within(bounds->y, low[1], high[1]),
+                     z0 = within(bounds->z, low[2], high[2]);
   const std::int64_t last_ring = std::max({y0 - low[1], high[1] - y0, z0 - low[2], high[2] - z0});
   for (std::int64_t ring = 0; ring <= last_ring; ++ring) {
     if (static_cast<double>(ring - 1) > radius) break;
@@ -119,8 +120,8 @@ std::optional<VoxelHash::Nearest> VoxelHash::nearest(const Eigen::Vector3f& quer
       break;
     }
     for (std::int64_t z = std::max(z0 - ring, low[2]); z <= std::min(z0 + ring, high[2]); ++z) {
-      const bool whole_side = z == z0 - ring || z == z0 + ring;
-      const std::int64_t step = whole_side || ring == 0 ? 1 : 2 * ring;
+      const bool full_side = z == z0 - ring || z == z0 + ring;
+      const std::int64_t step = full_side || ring == 0 ? 1 : 2 * ring;
       for (std::int64_t y = y0 - ring; y <= y0 + ring; y += step) {
         if (y < low[1] || y > high[1]) continue;
         const Row* row = find_row(y, z);

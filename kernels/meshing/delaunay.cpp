@@ -133,7 +133,7 @@ class Insertion {
     fill_cavity(v);
   }
 
-  Column<Tetrahedron> take() { return std::move(tetrahedra_); }
+  Column<Tetrahedron> release() { return std::move(tetrahedra_); }
 
  private:
   struct Face {
@@ -291,7 +291,7 @@ Delaunay find_delaunay(PointsView points) {
   Insertion insertion(delaunay.places.size());
   for (std::uint32_t v = 0; v < delaunay.places.size(); ++v)
     insertion.insert(v, place_of(delaunay.places[v]));
-  delaunay.tetrahedra = insertion.take();
+  delaunay.tetrahedra = insertion.release();
   for (std::size_t k = 0; k < 4; ++k) {
     const Place& far = kFarCorners[k];
     delaunay.far_corners[k] = box.min() + extent / kSteps * Eigen::Vector3d(far[0], far[1], far[2]);

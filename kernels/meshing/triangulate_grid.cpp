@@ -33,7 +33,7 @@ class Judge {
   bool is_finite(std::int32_t i) const { return i != PixelGrid::kNone && sight(i).allFinite(); }
 
   /// Twice the triangle's area as seen by the sensor, times its distance: positive for the front.
-  double seen(const GridCorners& c) const {
+  double signed_area(const GridCorners& c) const {
     const Vector3d a = sight(c[0]);
     return -(sight(c[1]) - a).cross(sight(c[2]) - a).dot(a);
   }
@@ -119,8 +119,8 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
   // from its neighbors.
   std::int64_t balance = 0;
   visit_triangles(grid, judge, [&](const GridCorners& c) {
-    const double seen = judge.seen(c);
-    balance += (seen > 0) - (seen < 0);
+    const double signed_area = judge.signed_area(c);
+    balance += (signed_area > 0) - (signed_area < 0);
   });
   const bool mirrored = balance < 0;
 
@@ -130,7 +130,7 @@ Triangles triangulate_grid(const PixelGrid& grid, PointsView points,
     if (mirrored) std::swap(c[1], c[2]);
     if (judge.jumps(c[0], c[1]) || judge.jumps(c[1], c[2]) || judge.jumps(c[2], c[0])) {
       ++count.num_jumps;
-    } else if (judge.seen(c) < 0) {
+    } else if (judge.signed_area(c) < 0) {
       ++count.num_behind;
     } else if (judge.grazes(c)) {
       ++count.num_grazing;

@@ -26,7 +26,7 @@ PairFeaturesSpan PairScratch::features(std::size_t n) noexcept {
 
 namespace {
 
-bool seen_together(const ViewMask& a, const ViewMask& b) noexcept {
+bool share_view(const ViewMask& a, const ViewMask& b) noexcept {
   std::uint64_t common = 0;
   for (std::size_t w = 0; w < kViewWords; ++w) common |= a[w] & b[w];
   return common != 0;
@@ -46,7 +46,7 @@ void for_each_pair(const PpfChunk& chunk, PairScratch& scratch, Body&& body) noe
                            std::span(scratch.rotations).first(n));
     for (std::size_t i = 0; i < n; ++i) {
       if (scratch.cells[i] == kNoCell) continue;
-      if (!model.views.empty() && !seen_together(model.views[reference], model.views[i])) continue;
+      if (!model.views.empty() && !share_view(model.views[reference], model.views[i])) continue;
       body(reference, scratch.cells[i], scratch.rotations[i]);
     }
   }

@@ -51,10 +51,11 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
   const auto num_entries = static_cast<std::uint32_t>(table.entries.size());
   const auto last_row = static_cast<std::uint32_t>(accumulator.size() / kRotationBins - 1);
   const std::uint32_t too_full = fullest_cell(votes, offsets, max_votes);
-  constexpr std::size_t kAhead = 8;  // look-ups whose entries are prefetched
+  constexpr std::size_t kPrefetchDistance = 8;  // look-ups whose entries are prefetched
   std::uint64_t total = 0;
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    if (i + kAhead < votes.size()) __builtin_prefetch(entries + offsets[votes[i + kAhead].cell]);
+    if (i + kPrefetchDistance < votes.size())
+      __builtin_prefetch(entries + offsets[votes[i + kPrefetchDistance].cell]);
     const std::uint32_t first = offsets[votes[i].cell];
     const std::uint32_t last = std::min(offsets[votes[i].cell + 1], num_entries);
     if (last - first >= too_full) continue;
@@ -107,8 +108,8 @@ VotePeak peak_of_row(std::span<const std::uint16_t> bins, std::uint32_t model_po
 
 }  // namespace
 
-VotePeaks take_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks,
-                     float share) noexcept {
+VotePeaks extract_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks,
+                        float share) noexcept {
   assert(max_peaks >= 1 && max_peaks <= kMaxPeaks && "peaks are kept in a fixed array");
   VotePeaks peaks;
   const std::size_t num_rows = accumulator.size() / kRotationBins;

@@ -43,7 +43,7 @@ std::uint64_t cast_votes(std::span<const SceneVote> votes, const PpfTableView& t
 /// A peak's votes are summed over its bin and both neighbors (the rotation wraps), which equals
 /// spreading each vote (Hinterstoisser et al., ECCV 2016). Peaks below `share` of the highest are
 /// omitted.
-VotePeaks take_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks,
-                     float share) noexcept;
+VotePeaks extract_peaks(std::span<std::uint16_t> accumulator, std::size_t max_peaks,
+                        float share) noexcept;
 
 }  // namespace trivet::kernels

@@ -31,7 +31,7 @@ struct LeftPoints {
   PointsView points;
   NormalsView normals;
   std::span<const float> areas;
-  std::span<const std::uint8_t> taken;  // not 0: on a plane already found
+  std::span<const std::uint8_t> assigned;  // not 0: on a plane already found
 };
 
 /// Least-squares fit to the inliers, weighted by area.
@@ -40,7 +40,7 @@ Plane refit(const Plane& plane, const LeftPoints& left, float tolerance, float m
   double sum = 0;
   const auto each = [&](auto&& body) {
     for (std::size_t i = 0; i < left.points.size(); ++i) {
-      if (left.taken[i] == 0 &&
+      if (left.assigned[i] == 0 &&
           lies_on(plane, left.points[i], left.normals[i], tolerance, min_cosine))
         body(i);
     }
@@ -69,8 +69,8 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
   TRIVET_REQUIRE(normals.size() == points.size() && areas.size() == points.size(),
                  "columns of one table");
   const float min_cosine = std::cos(options.max_angle_rad);
-  std::vector<std::uint8_t> taken(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) taken[i] = !std::isfinite(normals.x[i]);
+  std::vector<std::uint8_t> assigned(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) assigned[i] = !std::isfinite(normals.x[i]);
 
   std::vector<Plane> planes;
   std::uint64_t sequence = 0;
@@ -81,10 +81,11 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
       sequence += 0x9E3779B97F4A7C15ULL;
       const auto i = static_cast<std::size_t>(
           (static_cast<unsigned __int128>(sequence) * points.size()) >> 64);
-      if (taken[i] != 0) continue;
+      if (assigned[i] != 0) continue;
       Plane plane{normals[i], normals[i].dot(points[i]), 0};
       for (std::size_t k = 0; k < points.size(); ++k) {
-        if (taken[k] == 0 && lies_on(plane, points[k], normals[k], options.tolerance, min_cosine)) {
+        if (assigned[k] == 0 &&
+            lies_on(plane, points[k], normals[k], options.tolerance, min_cosine)) {
           plane.area += areas[k];
         }
       }
@@ -93,13 +94,13 @@ std::vector<Plane> find_planes(PointsView points, NormalsView normals, std::span
     if (!(best.area > 0.3F * options.min_area))
       break;  // a single point's normal captures only part of its plane
     for (int round = 0; round < 3; ++round) {
-      best = refit(best, {points, normals, areas, taken}, options.tolerance, min_cosine);
+      best = refit(best, {points, normals, areas, assigned}, options.tolerance, min_cosine);
     }
     if (!(best.area >= options.min_area)) break;
     planes.push_back(best);
     for (std::size_t k = 0; k < points.size(); ++k) {
-      if (taken[k] == 0 && lies_on(best, points[k], normals[k], options.tolerance, min_cosine))
-        taken[k] = 1;
+      if (assigned[k] == 0 && lies_on(best, points[k], normals[k], options.tolerance, min_cosine))
+        assigned[k] = 1;
     }
   }
   return planes;

@@ -62,20 +62,20 @@ constexpr std::uint32_t kMaxSide = 2048;  // pixels
 
 /// Number of pixels of this pitch (in tangent units) with at least one point.
 std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, float pitch,
-                           std::uint32_t width, std::uint32_t height, std::vector<bool>& seen) {
-  seen.assign(std::size_t{width} * height, false);
+                           std::uint32_t width, std::uint32_t height, std::vector<bool>& occupied) {
+  occupied.assign(std::size_t{width} * height, false);
   constexpr std::size_t kNone = 2 * std::size_t{kMaxSide};  // past the last row and column
-  std::size_t occupied = 0;
+  std::size_t num_occupied = 0;
   StopCheck check_stop(kSteps);
   for (std::size_t i = 0; i < tangents.size(); ++i) {
     check_stop();
     const auto u = clamped_integer((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
     const auto v = clamped_integer((tangents.y[i] - low.y()) / pitch, std::size_t{0}, kNone);
-    if (u >= width || v >= height || seen[v * width + u]) continue;
-    seen[v * width + u] = true;
-    ++occupied;
+    if (u >= width || v >= height || occupied[v * width + u]) continue;
+    occupied[v * width + u] = true;
+    ++num_occupied;
   }
-  return occupied;
+  return num_occupied;
 }
 
 /// Number of distinct positions; points closer than a fraction of the finest pixel are one
@@ -97,11 +97,11 @@ std::size_t count_places(PointsView tangents, const Eigen::Vector2f& low, float 
 /// The pitch at which about half of the points share a pixel with another, by bisection.
 float shared_pitch(PointsView tangents, const Eigen::Vector2f& low, const Eigen::Array2f& extent,
                    float finest) {
-  std::vector<bool> seen;
+  std::vector<bool> occupied;
   const auto occupied_at = [&](float pitch) {
     const auto width = clamped_integer(extent.x() / pitch, 0U, kMaxSide) + 1;
     const auto height = clamped_integer(extent.y() / pitch, 0U, kMaxSide) + 1;
-    return count_occupied(tangents, low, pitch, width, height, seen);
+    return count_occupied(tangents, low, pitch, width, height, occupied);
   };
 
   // Few points coincide by chance.

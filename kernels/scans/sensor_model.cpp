@@ -116,15 +116,15 @@ void measure_patches(const RangeImage& image, std::size_t first_row, std::size_t
   for (std::size_t v = first_row; v < first_row + num_rows; ++v) {
     if (v % kPatchSide != 0 || v + kPatchSide > height) continue;
     for (std::size_t u = 0; u + kPatchSide <= width; u += kPatchSide) {
-      bool whole = true;
+      bool is_complete = true;
       double sum = 0;
-      for (std::size_t k = 0; k < kPixels && whole; ++k) {
+      for (std::size_t k = 0; k < kPixels && is_complete; ++k) {
         const float d = image.depth[(v + k / kPatchSide) * width + u + k % kPatchSide];
-        whole = d > 0;
+        is_complete = d > 0;
         sum += static_cast<double>(d);
         rest[k] = 1 / static_cast<double>(d);
       }
-      if (!whole) continue;
+      if (!is_complete) continue;
       const double range = sum / kPixels;
       for (const auto& term : basis) {
         double dot = 0;

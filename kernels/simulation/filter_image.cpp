@@ -68,7 +68,7 @@ void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t rea
     const float* center = in.values.data() + pixel;
     out[i] = *center;
     if (*center != 0) continue;
-    const auto look = [&](int room, std::ptrdiff_t stride) {
+    const auto search = [&](int room, std::ptrdiff_t stride) {
       for (int k = 1; k <= std::min(farthest, room); ++k) {
         const float value = center[k * stride];
         if (value == 0) continue;
@@ -76,10 +76,10 @@ void fill_image(const ValueImage& in, std::uint32_t first_row, std::uint32_t rea
         return;
       }
     };
-    look(u, -1);
-    look(width - 1 - u, 1);
-    look(v, -std::ptrdiff_t{width});
-    look(height - 1 - v, width);
+    search(u, -1);
+    search(width - 1 - u, 1);
+    search(v, -std::ptrdiff_t{width});
+    search(height - 1 - v, width);
   }
 }
 

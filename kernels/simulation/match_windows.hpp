@@ -7,7 +7,7 @@
 namespace trivet::kernels {
 
 /// Values for pixels without a dot of the pattern, and with a dot that the matcher cannot see.
-inline constexpr float kNoDot = 0, kUnseenDot = -1;
+inline constexpr float kNoDot = 0, kHiddenDot = -1;
 
 struct WindowMatching {
   std::uint32_t half_window = 4;  ///< windows are 2 half_window + 1 pixels wide; 1..kMaxHalfWindow
@@ -23,7 +23,7 @@ inline constexpr std::uint32_t kMaxHalfWindow = 7;
 /// disparity. Otherwise the dots vote, by their weights, for the disparity of the dot with which
 /// most of them agree, and the pixel's disparity is the weighted mean of those in agreement.
 ///
-/// dots         width * height: disparity > 0 [pixel] of the dot at a pixel, kNoDot or kUnseenDot
+/// dots         width * height: disparity > 0 [pixel] of the dot at a pixel, kNoDot or kHiddenDot
 /// first_row    row of the image that the output starts with
 /// disparities  whole rows [pixel]; 0: too few dots agree
 /// Of disparities with equal votes, that of the first dot, row by row, wins. Rows are independent:

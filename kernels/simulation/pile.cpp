@@ -31,7 +31,7 @@ Facet corners(PointsView vertices, const Triangles& triangles, std::size_t t) {
 }
 
 /// Height of a facet at a position that it covers.
-bool height_over(const Facet& facet, const Vector3d& place, double& height) {
+bool height_above(const Facet& facet, const Vector3d& place, double& height) {
   const Vector2d a = facet.col(0).head<2>(), b = facet.col(1).head<2>(), c = facet.col(2).head<2>(),
                  p = place.head<2>();
   const double area = cross(b - a, c - a);
@@ -54,12 +54,12 @@ void compare(const Facet& upper, const Facet& lower, Touch&& touch) {
   };
   for (int i = 0; i < 3; ++i) {
     const Vector3d p = upper.col(i);
-    if (!height_over(lower, p, height)) continue;
+    if (!height_above(lower, p, height)) continue;
     on_face(p, (lower.col(1) - lower.col(0)).cross(lower.col(2) - lower.col(0)), p.z() - height);
   }
   for (int i = 0; i < 3; ++i) {
     const Vector3d p = lower.col(i);
-    if (!height_over(upper, p, height)) continue;
+    if (!height_above(upper, p, height)) continue;
     on_face(p, (upper.col(1) - upper.col(0)).cross(upper.col(2) - upper.col(0)), height - p.z());
   }
   for (int i = 0; i < 3; ++i) {

@@ -65,16 +65,16 @@ void transpose(Square& square) noexcept {
   swap_halves<1>(square);
 }
 
-void find_seen(std::span<const ViewBits> views, ViewedSupport& support) {
+void find_visible(std::span<const ViewBits> views, ViewedSupport& support) {
   support.num_words = (support.size + 63) / 64;
-  support.seen.resize(std::max(support.seen.size(), kMostPartialViews * support.num_words));
+  support.visible.resize(std::max(support.visible.size(), kMostPartialViews * support.num_words));
   for (std::size_t w = 0; w < support.num_words; ++w) {
     Square square{};
     const std::size_t n = std::min<std::size_t>(64, support.size - 64 * w);
     for (std::size_t k = 0; k < n; ++k) square[k] = views[support.places[64 * w + k]];
     transpose(square);
     for (std::size_t v = 0; v < kMostPartialViews; ++v)
-      support.seen[v * support.num_words + w] = square[v];
+      support.visible[v * support.num_words + w] = square[v];
   }
 }
 
@@ -88,9 +88,10 @@ std::uint32_t count_differences(const std::uint64_t* a, const std::uint64_t* b,
 }
 
 TRIVET_SIMD_CLONES
-std::uint32_t count_points(const std::uint64_t* seen, std::size_t n) noexcept {
+std::uint32_t count_points(const std::uint64_t* visible, std::size_t n) noexcept {
   std::uint32_t count = 0;
-  for (std::size_t w = 0; w < n; ++w) count += static_cast<std::uint32_t>(std::popcount(seen[w]));
+  for (std::size_t w = 0; w < n; ++w)
+    count += static_cast<std::uint32_t>(std::popcount(visible[w]));
   return count;
 }
 
@@ -138,11 +139,11 @@ void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> view
     }
     support.size = kept;
   });
-  find_seen(views, support);
+  find_visible(views, support);
 }
 
-void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
-               const Sharers& sharers, Support& support) {
+void extract_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
+                  const Sharers& sharers, Support& support) {
   const std::size_t most = all.size + Support::kLanes;
   for (Column<float>* const column : {&support.x, &support.y, &support.z, &support.area}) {
     if (column->size() < most) column->resize(2 * most);
@@ -153,9 +154,9 @@ void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view
   const PointsView points = grid.ordered_points();
   const std::uint8_t* const counts = sharers.of_view(view).data();
   std::size_t kept = 0;
-  const auto seen = all.seen_by(view);
-  for (std::size_t w = 0; w < seen.size(); ++w) {
-    for (std::uint64_t bits = seen[w]; bits != 0; bits &= bits - 1, ++kept) {
+  const auto visible = all.visible_in(view);
+  for (std::size_t w = 0; w < visible.size(); ++w) {
+    for (std::uint64_t bits = visible[w]; bits != 0; bits &= bits - 1, ++kept) {
       const std::uint32_t p = all.places[64 * w + static_cast<std::size_t>(std::countr_zero(bits))];
       x[kept] = points.x[p] - px;
       y[kept] = points.y[p] - py;
@@ -172,12 +173,12 @@ void compare_views(const ViewedSupport& all, ViewBits wanted, float share,
                    LikeViews& views) noexcept {
   for (ViewBits rest = wanted; rest != 0; rest &= rest - 1) {
     const auto a = static_cast<std::size_t>(std::countr_zero(rest));
-    views.sizes[a] = count_points(all.seen_by(a).data(), all.num_words);
+    views.sizes[a] = count_points(all.visible_in(a).data(), all.num_words);
     views.alike[a] = ViewBits{1} << a;
     for (ViewBits before = wanted ^ rest; before != 0; before &= before - 1) {
       const auto b = static_cast<std::size_t>(std::countr_zero(before));
       const std::uint32_t differing =
-          count_differences(all.seen_by(a).data(), all.seen_by(b).data(), all.num_words);
+          count_differences(all.visible_in(a).data(), all.visible_in(b).data(), all.num_words);
       const auto both = static_cast<float>(views.sizes[a] + views.sizes[b]);
       if (2 * static_cast<float>(differing) > share * both) continue;
       views.alike[a] |= ViewBits{1} << b;

@@ -51,11 +51,11 @@ struct ViewedSupport {
   Column<std::uint32_t> places;  ///< positions of its points in the grid's order
   std::size_t size = 0;
   /// Visibility of the points in each view: words of 64 points, the first view's first.
-  Column<std::uint64_t> seen;
+  Column<std::uint64_t> visible;
   std::size_t num_words = 0;
 
-  std::span<const std::uint64_t> seen_by(std::size_t v) const noexcept {
-    return std::span(seen).subspan(v * num_words, num_words);
+  std::span<const std::uint64_t> visible_in(std::size_t v) const noexcept {
+    return std::span(visible).subspan(v * num_words, num_words);
   }
 };
 
@@ -67,8 +67,8 @@ void gather_viewed_support(const VoxelHash& grid, std::span<const ViewBits> view
 
 /// The visible part of the support in one view: the result of gather_support for that view's points
 /// alone, with the areas of share_areas.
-void take_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
-               const Sharers& sharers, Support& support);
+void extract_view(const VoxelHash& grid, const ViewedSupport& all, std::size_t view,
+                  const Sharers& sharers, Support& support);
 
 /// Similarity of the visible parts of a support between views.
 struct LikeViews {

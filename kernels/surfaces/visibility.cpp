@@ -63,17 +63,17 @@ float largest_of(const Cosines& cosines) {
 const std::array<std::size_t, kNumViews>& packed_views() {
   static const auto order = [] {
     std::array<std::size_t, kNumViews> made{};
-    std::array<bool, kNumViews> taken{};
+    std::array<bool, kNumViews> used{};
     Eigen::Vector3f sum = view_direction(0);
     for (std::size_t k = 0; k < kNumViews; ++k) {
       float nearest = -std::numeric_limits<float>::infinity();
       for (std::size_t d = 0; d < kNumViews; ++d) {
         const float along = sum.dot(view_direction(d));
-        if (taken[d] || along <= nearest) continue;
+        if (used[d] || along <= nearest) continue;
         nearest = along;
         made[k] = d;
       }
-      taken[made[k]] = true;
+      used[made[k]] = true;
       const Eigen::Vector3f last = view_direction(made[k]);
       sum = (k + 1) % RayScene::kPacket == 0 ? last : Eigen::Vector3f(sum + last);
     }

@@ -92,7 +92,7 @@ class NearSearch {
   /// All transforms that are not rotations about `axis`.
   std::vector<Pose> motions(const std::optional<Symmetry::Axis>& axis) {
     std::vector<Rated> alternatives;
-    std::vector<Pose> seen;
+    std::vector<Pose> visited;
     for (const Pose& start : starts()) {
       Pose motion = surface_.refine(start, 120, 4);
       const Pose reached = surface_.to_model(motion);
@@ -100,9 +100,9 @@ class NearSearch {
         const PoseDistance d = pose_distance(reached, other, symmetry_, samples_.center);
         return d.rotation_rad < kSameTurn && d.translation < kSameShift * samples_.diameter;
       };
-      if (is_identity(reached) || std::ranges::any_of(seen, same) || turns_about(axis, reached))
+      if (is_identity(reached) || std::ranges::any_of(visited, same) || turns_about(axis, reached))
         continue;
-      seen.push_back(reached);
+      visited.push_back(reached);
       if (alike(motion, kFirstQueries) < kMinAlike - 0.1F) continue;
       motion = surface_.refine(motion, 200, 3);
       const Pose alternative = surface_.to_model(motion);
@@ -249,19 +249,19 @@ class NearSearch {
   /// the visible parts of flat objects fit under many transforms.
   float alike(const Pose& motion, std::size_t num_queries) {
     if (kept(motion, num_queries) < kMinShare) return 0;
-    std::array<std::uint32_t, kNumViews> seen{}, kept{};
+    std::array<std::uint32_t, kNumViews> visible{}, kept{};
     for (std::size_t i = 0; i < matched_.size(); ++i) {
       for (std::size_t w = 0; w < kViewWords; ++w) {
         for (std::uint64_t bits = samples_.views[i][w]; bits != 0; bits &= bits - 1) {
           const std::size_t view = 64 * w + static_cast<std::size_t>(std::countr_zero(bits));
-          ++seen[view];
+          ++visible[view];
           kept[view] += matched_[i];
         }
       }
     }
     std::array<float, kNumViews> shares{};
     for (std::size_t v = 0; v < kNumViews; ++v) {
-      if (seen[v] > 0) shares[v] = static_cast<float>(kept[v]) / static_cast<float>(seen[v]);
+      if (visible[v] > 0) shares[v] = static_cast<float>(kept[v]) / static_cast<float>(visible[v]);
     }
     const auto last = shares.begin() + kViewsAlike - 1;
     std::nth_element(shares.begin(), last, shares.end(), std::greater<>());

@@ -37,13 +37,14 @@ Symmetry::Axis refine_axis(const SampledSurface& surface, const Symmetry::Axis& 
   Vector3f direction = Vector3f::Zero(), point = Vector3f::Zero();
   float weights = 0;
   for (const float angle : angles) {
-    const Symmetry::Axis seen = axis_of(surface.refine(turn_about(axis, angle), kTurnQueries, 2));
-    const Vector3f seen_direction = seen.direction;
-    const float along = seen_direction.dot(axis.direction);
+    const Symmetry::Axis refined =
+        axis_of(surface.refine(turn_about(axis, angle), kTurnQueries, 2));
+    const Vector3f refined_direction = refined.direction;
+    const float along = refined_direction.dot(axis.direction);
     if (!(std::abs(along) > kMinAlong)) continue;
     const float weight = std::abs(std::sin(0.5F * angle));
-    direction += seen_direction * (along < 0 ? -weight : weight);
-    point += weight * seen.point;
+    direction += refined_direction * (along < 0 ? -weight : weight);
+    point += weight * refined.point;
     weights += weight;
   }
   if (weights == 0) return axis;

@@ -90,8 +90,8 @@ CameraScale estimate_scales(std::span<const ScalePull> given) {
   std::vector<ScalePull> objects(given.begin(), given.end());
   float correlation = 0;
   for (const ScalePull& object : objects) correlation = std::max(correlation, object.correlation);
-  const bool tells_depth = correlation < kErrAlike;
-  if (!tells_depth) {
+  const bool is_depth_determined = correlation < kErrAlike;
+  if (!is_depth_determined) {
     const Eigen::Vector2d focal_only(1, 0);
     for (ScalePull& object : objects) {
       object.information = focal_only.asDiagonal() * object.information * focal_only.asDiagonal();
@@ -127,7 +127,7 @@ CameraScale estimate_scales(std::span<const ScalePull> given) {
     return Factor{value, value * std::sqrt(variance + systematic * systematic)};
   };
   out.focal = factor(0);
-  if (tells_depth) out.depth = factor(1);
+  if (is_depth_determined) out.depth = factor(1);
   return out;
 }
 

@@ -8,10 +8,10 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr float kFitError = 0.004F;    // error of model and pose, relative to the diameter
-constexpr double kAgreement = 10;      // likelihood ratio of r = 0 to a pixel off the model
-constexpr double kSeenThrough = 0.03;  // likelihood ratio of a measurement anywhere behind the
-                                       // surface
+constexpr float kFitError = 0.004F;      // error of model and pose, relative to the diameter
+constexpr double kAgreement = 10;        // likelihood ratio of r = 0 to a pixel off the model
+constexpr double kBehindSurface = 0.03;  // likelihood ratio of a measurement anywhere behind the
+                                         // surface
 // If neighbors err alike, this share of the surface is blended with its surroundings, as thin parts
 // and edges are, and its errors are larger by this factor.
 constexpr double kBlended = 0.3, kBlend = 8;
@@ -63,11 +63,11 @@ class Comparer {
     const auto [r, pixel] = measure_along(image_, {u, v, pose.z, pose.scale}, tolerance);
     if (pixel < 0) return log_missing();
     if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
-      return std::abs(r) <= tolerance ? 0 : std::log(kSeenThrough);
+      return std::abs(r) <= tolerance ? 0 : std::log(kBehindSurface);
     const double share = static_cast<double>(r) / sigma_;
     const double agreement = (1 - blended_) * std::exp(-0.5 * share * share) +
                              blended_ / kBlend * std::exp(-0.5 * share * share / (kBlend * kBlend));
-    const double mixture = kSeenThrough + (kAgreement - kSeenThrough) * agreement;
+    const double mixture = kBehindSurface + (kAgreement - kBehindSurface) * agreement;
     return r < 0 && mixture < 1 ? 0 : std::log(mixture);
   }
 

@@ -108,7 +108,7 @@ class Examiner {
         const auto [r, pixel] = measure_along(image_, expected, tolerance);
         if (pixel < 0) {
           out.unknown += square;
-          tell(RayVerdict::unmeasured, ray * z);
+          record(RayVerdict::unmeasured, ray * z);
           continue;
         }
         const bool background =
@@ -117,22 +117,22 @@ class Examiner {
           if (measured_beside(image_, expected, tolerance, edge_)) continue;
           if (r > 0 || background) {  // nothing penetrates a table
             out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness_);
-            tell(RayVerdict::looked_through, ray * z);
+            record(RayVerdict::looked_through, ray * z);
           } else {
             out.occluded += square;
             if (r > -kShallow * tolerance) out.sunk += square;
             s_.state[at] = kHidden;
             s_.residual[at] = r;
-            tell(RayVerdict::hidden, ray * z);
+            record(RayVerdict::hidden, ray * z);
           }
         } else if (background) {
           out.background += square;
-          tell(RayVerdict::background, ray * z);
+          record(RayVerdict::background, ray * z);
         } else {
           s_.state[at] = kConsistent;
           s_.residual[at] = r;
           out.consistent += square;
-          tell(RayVerdict::agrees, ray * z);
+          record(RayVerdict::agrees, ray * z);
           const double share = static_cast<double>(r / tolerance);
           sums.count += 1;
           sums.squares += share * share;
@@ -198,7 +198,7 @@ class Examiner {
 
  private:
   /// at  position in the camera's frame
-  void tell(RayVerdict verdict, const Eigen::Vector3f& at) const {
+  void record(RayVerdict verdict, const Eigen::Vector3f& at) const {
     if (rays_ != nullptr) rays_->push_back({g_.T_camera_scene.inverse() * at, verdict});
   }
 
@@ -333,7 +333,7 @@ class Examiner {
     } else if (judged) {
       const bool touches = creases(crop_.u(i), crop_.v(j), di, dj);
       (touches ? out.outline_touching : out.outline_crossed) += length;
-      if (!touches) tell(RayVerdict::runs_on, ray_through(g_, crop_.u(i), crop_.v(j)) * z);
+      if (!touches) record(RayVerdict::runs_on, ray_through(g_, crop_.u(i), crop_.v(j)) * z);
     }
     return open;
   }
@@ -366,7 +366,7 @@ class Examiner {
   /// pose along themselves, as the steps of slanted sides would.
   Eigen::Vector2f direction_across(int i, int j) const noexcept {
     const float farther = depth_at(i, j) + jump_;
-    Eigen::Vector2f missed(0, 0), seen(0, 0);
+    Eigen::Vector2f missed(0, 0), measured(0, 0);
     for (int dj = -kAcross; dj <= kAcross; ++dj) {
       for (int di = -kAcross; di <= kAcross; ++di) {
         if (di * di + dj * dj > kAcross * kAcross + 1) continue;
@@ -374,10 +374,10 @@ class Examiner {
         const Eigen::Vector2f step(static_cast<float>(di), static_cast<float>(dj));
         missed += step;
         const int u = crop_.u(i + di), v = crop_.v(j + dj);
-        if (inside(u, v) && image_.depth[pixel_at(u, v)] > farther) seen += step;
+        if (inside(u, v) && image_.depth[pixel_at(u, v)] > farther) measured += step;
       }
     }
-    const bool agree = missed.dot(seen) > kSameCosine * missed.norm() * seen.norm();
+    const bool agree = missed.dot(measured) > kSameCosine * missed.norm() * measured.norm();
     return agree ? missed.normalized() : Eigen::Vector2f::Zero();
   }
 

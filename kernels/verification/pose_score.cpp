@@ -12,14 +12,14 @@ constexpr float kEnoughPixels = 200;  // more of them show how near the object i
 }  // namespace
 
 ScoreParts score_parts(const Examination& e, float relative_tolerance, float correlation) noexcept {
-  const float seen = e.consistent + e.violation + e.background;
+  const float measured = e.consistent + e.violation + e.background;
   const float silhouette = e.covered + e.outside;  // nothing was measured beyond the images
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The offsets are the resolution of sensors near zero: without them a part would grow with the
   // number of pixels, and near objects would score better than far ones.
   constexpr ScoreOffsets offset = kScoreOffsets;
-  return {std::log(e.violation / (seen + 10) + offset.violation),
-          std::log(e.background / (seen + 10) + offset.background),
+  return {std::log(e.violation / (measured + 10) + offset.violation),
+          std::log(e.background / (measured + 10) + offset.background),
           e.outline_free / (e.outline + 5),
           std::log(e.outline_crossed / (outline + 5) + offset.crossed),
           std::log(e.outline_touching / (outline + 5) + offset.touching),
@@ -31,7 +31,7 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
           std::log(e.consistent / (silhouette + 1) + offset.consistent),
           e.unknown / (e.covered + 1),
           std::log(std::min(e.consistent, kEnoughPixels) + offset.pixels),
-          std::log(e.sunk / (seen + e.sunk + 10) + offset.sunk),
+          std::log(e.sunk / (measured + e.sunk + 10) + offset.sunk),
           std::log(e.relief + offset.relief),
           std::log(relative_tolerance),
           correlation};

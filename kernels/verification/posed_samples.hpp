@@ -39,7 +39,7 @@ class PosedSamples {
   const Pose& T_camera_model() const noexcept { return T_camera_model_; }
 
   /// Whether sample i is not hidden by the model itself.
-  bool sees(std::size_t i) const noexcept {
+  bool is_visible(std::size_t i) const noexcept {
     return (samples_.views[i][view_word_] >> view_bit_ & 1U) != 0;
   }
 

@@ -142,7 +142,7 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
         pulls.count = 0;
         for (std::size_t i = 0; i < block.count; ++i) {
           pulls.index[pulls.count] = static_cast<std::int32_t>(i);
-          pulls.count += posed.sees(first + i) & (block.column[i] >= 0);
+          pulls.count += posed.is_visible(first + i) & (block.column[i] >= 0);
         }
         measure(image, block, moved, stand, pulls);
         add(pulls, sums);

@@ -13,8 +13,8 @@
 namespace trivet::kernels {
 
 float Evidence::support() const noexcept {
-  const auto seen = static_cast<float>(consistent + oblique + violation + background);
-  return seen > 0 ? weight / seen : 0;
+  const auto measured = static_cast<float>(consistent + oblique + violation + background);
+  return measured > 0 ? weight / measured : 0;
 }
 
 float Evidence::visible_fraction() const noexcept {
@@ -63,7 +63,7 @@ void find_facing(const SampleBlock& block, BlockColumn<float>& facing) noexcept 
 }
 
 /// Samples that should be visible, and their measurements.
-struct Seen {
+struct VisibleSamples {
   std::size_t count = 0;
   alignas(64) BlockColumn<std::int32_t> index;  // index in the block
   alignas(64) BlockColumn<std::int32_t> pixel;  // the sample's or a neighbor, whichever fits best
@@ -74,14 +74,15 @@ struct Seen {
 /// Beyond the image's edge, the pixel replaces its neighbor.
 TRIVET_SIMD_CLONES
 void fit_pixels(const RangeImage& image, const SampleBlock& block, const BlockColumn<float>& facing,
-                float tolerance, Seen& seen) noexcept {
+                float tolerance, VisibleSamples& visible) noexcept {
   const float* const depth = image.depth.data();
   const auto width = static_cast<std::int32_t>(image.geometry.width);
   const auto height = static_cast<std::int32_t>(image.geometry.height);
-  const std::size_t n = seen.count;
+  const std::size_t n = visible.count;
   TRIVET_SIMD_LOOP
   for (std::size_t k = 0; k < n; ++k) {
-    const std::int32_t i = seen.index[k], u = block.column[i], v = block.row[i], at = v * width + u;
+    const std::int32_t i = visible.index[k], u = block.column[i], v = block.row[i],
+                       at = v * width + u;
     const float model_depth = block.z[i], cosine = facing[i];
     const float own_depth = depth[at];
     const float own = own_depth > 0 ? (own_depth - model_depth) * cosine : kUnreached;
@@ -100,8 +101,8 @@ void fit_pixels(const RangeImage& image, const SampleBlock& block, const BlockCo
     consider(at - above * width);
     consider(at + below * width);
     const bool agrees = std::abs(own) <= tolerance;
-    seen.residual[k] = agrees ? own : best;
-    seen.pixel[k] = agrees ? at : best_pixel;
+    visible.residual[k] = agrees ? own : best;
+    visible.pixel[k] = agrees ? at : best_pixel;
   }
 }
 
@@ -119,16 +120,17 @@ struct Limits {
 };
 
 /// Evaluate the visible samples of one block.
-void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen& seen,
+void judge_samples(const RangeImage& image, const SampleBlock& block, const VisibleSamples& visible,
                    const Limits& limits, Evidence& evidence, const PixelList& explained) {
   const VerifyOptions& options = limits.options;
   // Branches here would be unpredictable: count without any.
   BlockColumn<std::uint32_t> agreeing;
   std::uint32_t num_agreeing = 0, unknown = 0, violation = 0, occluded = 0, on_background = 0;
   const std::span<const std::uint8_t> planes = image.plane;
-  for (std::uint32_t k = 0; k < seen.count; ++k) {
-    const float r = seen.residual[k];
-    const bool background = options.is_background(planes[static_cast<std::size_t>(seen.pixel[k])]);
+  for (std::uint32_t k = 0; k < visible.count; ++k) {
+    const float r = visible.residual[k];
+    const bool background =
+        options.is_background(planes[static_cast<std::size_t>(visible.pixel[k])]);
     const bool known = r < kUnreached, behind = known & (r > options.tolerance),
                before = r < -options.tolerance, agrees = known & !behind & !before;
     unknown += !known;
@@ -144,18 +146,18 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Seen
   evidence.background += on_background;
   for (std::uint32_t a = 0; a < num_agreeing; ++a) {
     const std::uint32_t k = agreeing[a];
-    const auto i = static_cast<std::size_t>(seen.index[k]);
+    const auto i = static_cast<std::size_t>(visible.index[k]);
     const Eigen::Vector3f normal(block.normal_x[i], block.normal_y[i], block.normal_z[i]);
-    const float cosine = normal.dot(image.normals[static_cast<std::size_t>(seen.pixel[k])]);
+    const float cosine = normal.dot(image.normals[static_cast<std::size_t>(visible.pixel[k])]);
     if (cosine < limits.min_normal_cosine) {  // also false without a scene normal
       ++evidence.oblique;
       continue;
     }
     ++evidence.consistent;
-    const float share = seen.residual[k] / options.tolerance;
+    const float share = visible.residual[k] / options.tolerance;
     const float agreement = std::isfinite(cosine) ? cosine : kUnknownNormal;
     evidence.weight += (1 - share * share) * agreement;
-    evidence.squared_residuals += seen.residual[k] * seen.residual[k];
+    evidence.squared_residuals += visible.residual[k] * visible.residual[k];
     if (explained.pixels != nullptr) {
       explained.pixels->push_back(explained.first +
                                   static_cast<std::uint32_t>(block.row[i]) * image.geometry.width +
@@ -175,23 +177,23 @@ Evidence verify_pose(std::span<const RangeImage> images, const ModelSamples& sam
   PixelList list{explained, 0};
   SampleBlock block;
   BlockColumn<float> facing;
-  Seen seen;
+  VisibleSamples visible;
   for (const RangeImage& image : images) {
     const PosedSamples posed(image.geometry, samples, T_scene_model);
     for (std::size_t first = 0; first < n; first += kSampleBlock) {
       posed.place(first, n, block);
       find_facing(block, facing);
-      seen.count = 0;
+      visible.count = 0;
       for (std::size_t i = 0; i < block.count; ++i) {
-        const bool faces = posed.sees(first + i) & (facing[i] > kUnmeasurable);
+        const bool faces = posed.is_visible(first + i) & (facing[i] > kUnmeasurable);
         const bool inside = block.column[i] >= 0;
         evidence.outside += faces & !inside;
-        seen.index[seen.count] = static_cast<std::int32_t>(i);
-        seen.count += faces & inside;
+        visible.index[visible.count] = static_cast<std::int32_t>(i);
+        visible.count += faces & inside;
       }
-      evidence.visible += static_cast<std::uint32_t>(seen.count);
-      fit_pixels(image, block, facing, options.tolerance, seen);
-      judge_samples(image, block, seen, limits, evidence, list);
+      evidence.visible += static_cast<std::uint32_t>(visible.count);
+      fit_pixels(image, block, facing, options.tolerance, visible);
+      judge_samples(image, block, visible, limits, evidence, list);
     }
     list.first += static_cast<std::uint32_t>(image.depth.size());
   }
@@ -274,7 +276,7 @@ Outline draw_samples(const PosedSamples& posed, std::size_t n, const ImageGeomet
     std::size_t num_drawn = 0;
     for (std::size_t i = 0; i < block.count; ++i) {
       drawn[num_drawn] = static_cast<std::uint32_t>(i);
-      num_drawn += posed.sees(first + i) & (cells.column[i] >= 0);
+      num_drawn += posed.is_visible(first + i) & (cells.column[i] >= 0);
     }
     for (std::size_t k = 0; k < num_drawn; ++k) {
       const std::size_t i = drawn[k];

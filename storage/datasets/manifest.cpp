@@ -58,7 +58,7 @@ class ModelOrder {
   void on_key(int depth, const std::string& key) {
     if (depth == 1) inside_ = key == "models";
     if (depth != 2 || !inside_) return;
-    if (!seen_.insert(key).second)
+    if (!visited_.insert(key).second)
       throw JsonFault{fmt::format("models: {} stands there twice", key)};
     names_.push_back(key);
   }
@@ -66,7 +66,7 @@ class ModelOrder {
 
  private:
   bool inside_ = false;
-  std::set<std::string> seen_;
+  std::set<std::string> visited_;
   std::vector<std::string> names_;
 };
 

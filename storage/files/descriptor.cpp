@@ -17,8 +17,8 @@ std::int64_t nanoseconds(const timespec& time) {
   return std::int64_t{time.tv_sec} * 1'000'000'000 + time.tv_nsec;
 }
 
-constexpr std::chrono::milliseconds kLookAgain{1};
-constexpr int kMostLooks = 1000;
+constexpr std::chrono::milliseconds kRetryInterval{1};
+constexpr int kMostRetries = 1000;
 
 /// The clock of file times. It advances in steps of some milliseconds, more on a machine that is
 /// held up: a second change within one step does not change a file's time.
@@ -66,11 +66,11 @@ Result<OpenedFile> open_regular(const std::filesystem::path& file, std::uint64_t
 }
 
 bool wait_for_rest(OpenedFile& opened) {
-  for (int look = 0; look < kMostLooks; ++look) {
+  for (int attempt = 0; attempt < kMostRetries; ++attempt) {
     // A file time in the future, from another machine's clock, also differs: a change sets an
     // earlier one.
     if (time_for_files() != opened.identity.written) return true;
-    std::this_thread::sleep_for(kLookAgain);
+    std::this_thread::sleep_for(kRetryInterval);
     struct stat status {};
     if (::fstat(opened.descriptor.get(), &status) != 0) return false;
     opened.identity = FileIdentity::of(status);

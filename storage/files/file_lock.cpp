@@ -48,7 +48,7 @@ std::string holder_of(int descriptor) {
 void say_whose(int descriptor) {
   const std::string text = fmt::format("process {} on {} since {:%F %T}", ::getpid(), host_name(),
                                        fmt::localtime(std::time(nullptr)));
-  [[maybe_unused]] const bool told =
+  [[maybe_unused]] const bool written =
       ::ftruncate(descriptor, 0) == 0 && ::pwrite(descriptor, text.data(), text.size(), 0) > 0;
 }
 

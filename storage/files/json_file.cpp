@@ -151,7 +151,7 @@ int JsonNode::integer(int low, int high) const {
 std::vector<double> JsonNode::flat_numbers() const {
   if (!value_->is_array()) refuse("expected an array");
   std::vector<double> numbers;
-  const auto take = [&](const nlohmann::json& value, const auto&... indices) {
+  const auto append_number = [&](const nlohmann::json& value, const auto&... indices) {
     if (value.is_number() && std::isfinite(value.get<double>())) {
       numbers.push_back(value.get<double>());
     } else {
@@ -162,8 +162,9 @@ std::vector<double> JsonNode::flat_numbers() const {
   };
   for (std::size_t i = 0; i < value_->size(); ++i) {
     const nlohmann::json& element = (*value_)[i];
-    if (!element.is_array()) take(element, i);
-    for (std::size_t j = 0; element.is_array() && j < element.size(); ++j) take(element[j], i, j);
+    if (!element.is_array()) append_number(element, i);
+    for (std::size_t j = 0; element.is_array() && j < element.size(); ++j)
+      append_number(element[j], i, j);
   }
   return numbers;
 }

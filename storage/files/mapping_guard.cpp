@@ -15,7 +15,7 @@ namespace {
 
 /// Range of a guarded mapping. A signal handler may read it at any time, so it has no lock.
 struct Guarded {
-  std::atomic<bool> is_taken{false}, is_torn{false};
+  std::atomic<bool> is_used{false}, is_torn{false};
   std::atomic<std::uintptr_t> begin{0}, end{0};  ///< 0: none
 };
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
@@ -79,8 +79,7 @@ MappingGuard::MappingGuard(std::span<const std::byte> mapped) {
   (void)installed;
   for (std::size_t i = 0; i < all_guarded.size(); ++i) {
     Guarded& guarded = all_guarded[i];
-    if (guarded.is_taken.load(std::memory_order_relaxed) || guarded.is_taken.exchange(true))
-      continue;
+    if (guarded.is_used.load(std::memory_order_relaxed) || guarded.is_used.exchange(true)) continue;
     std::size_t n = num_slots.load();
     while (n < i + 1 && !num_slots.compare_exchange_weak(n, i + 1)) {
     }
@@ -98,7 +97,7 @@ MappingGuard::~MappingGuard() {
   Guarded& guarded = all_guarded[slot_];
   guarded.begin.store(0);
   guarded.end.store(0);
-  guarded.is_taken.store(false);
+  guarded.is_used.store(false);
 }
 
 bool MappingGuard::is_torn() const noexcept {

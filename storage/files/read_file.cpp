@@ -22,7 +22,7 @@ Error changed_meanwhile(const std::filesystem::path& file) {
 
 /// Read a file of the length at opening into a buffer of bytes or characters.
 template <class Buffer>
-Result<Buffer> read_whole(const std::filesystem::path& file, std::uint64_t max_bytes) {
+Result<Buffer> read_entire(const std::filesystem::path& file, std::uint64_t max_bytes) {
   TRIVET_TRY_ASSIGN(OpenedFile opened, open_regular(file, max_bytes));
   if (!wait_for_rest(opened)) return changed_meanwhile(file);
   if (opened.identity.size > max_bytes) return changed_meanwhile(file);
@@ -55,11 +55,11 @@ Result<Buffer> read_whole(const std::filesystem::path& file, std::uint64_t max_b
 
 Result<std::vector<std::byte>> read_file(const std::filesystem::path& file,
                                          std::uint64_t max_bytes) {
-  return read_whole<std::vector<std::byte>>(file, max_bytes);
+  return read_entire<std::vector<std::byte>>(file, max_bytes);
 }
 
 Result<std::string> read_text_file(const std::filesystem::path& file, std::uint64_t max_bytes) {
-  return read_whole<std::string>(file, max_bytes);
+  return read_entire<std::string>(file, max_bytes);
 }
 
 Result<std::vector<std::byte>> read_all(int descriptor, std::string_view name,

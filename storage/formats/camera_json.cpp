@@ -37,7 +37,7 @@ enum class Order { rows, columns };
 constexpr double kRounding = 1e-6;  // tolerance for zeros and ones [pixel]
 
 /// Parse the matrix fx 0 cx, 0 fy cy, 0 0 1.
-void take_matrix(const JsonNode& node, Order order, Camera& camera) {
+void read_matrix(const JsonNode& node, Order order, Camera& camera) {
   const std::vector<double> m = numbers_of(node);
   if (m.size() != 9) node.refuse(fmt::format("expected 9 numbers instead of {}", m.size()));
   const auto at = [&](std::size_t row, std::size_t column) {
@@ -62,7 +62,7 @@ void take_matrix(const JsonNode& node, Order order, Camera& camera) {
 
 /// Parse {"projection_model_type", "projection_params": [fx, fy, cx, cy, and zeros]}, BOP's form
 /// since 2024.
-void take_model(const JsonNode& model, Camera& camera) {
+void read_camera_model(const JsonNode& model, Camera& camera) {
   const JsonNode type = model.at("projection_model_type"), list = model.at("projection_params");
   const std::string name = plain_name(type.string());
   if (!name.starts_with("pinhole") && name != "linear")
@@ -83,13 +83,13 @@ const char* find_member(const JsonNode& node, std::initializer_list<const char*>
   return found == names.end() ? nullptr : *found;
 }
 
-void take_projection(const JsonNode& node, Camera& camera) {
+void read_projection(const JsonNode& node, Camera& camera) {
   if (node.has("cam_model")) {
-    take_model(node.at("cam_model"), camera);
+    read_camera_model(node.at("cam_model"), camera);
   } else if (const char* const rows = find_member(node, {"cam_K", "K", "k", "camera_matrix"})) {
-    take_matrix(node.at(rows), Order::rows, camera);
+    read_matrix(node.at(rows), Order::rows, camera);
   } else if (node.has("intrinsic_matrix")) {
-    take_matrix(node.at("intrinsic_matrix"), Order::columns, camera);
+    read_matrix(node.at("intrinsic_matrix"), Order::columns, camera);
   } else if (!find_member(node, {"fx", "fy", "cx", "cy", "ppx", "ppy"})) {
     (void)node.object();
     node.refuse(
@@ -233,7 +233,7 @@ DepthKind parse_depth(const JsonNode& node) {
 Camera parse_camera(const JsonNode& node) {
   if (node.has("intrinsic")) return parse_camera(node.at("intrinsic"));  // Open3D, beside a pose
   Camera camera;
-  take_projection(node, camera);
+  read_projection(node, camera);
   refuse_unknown_names(node);
   if (node.has("depth_scale")) camera.depth_scale = node.at("depth_scale").number();
   if (node.has("depth")) camera.depth = parse_depth(node.at("depth"));

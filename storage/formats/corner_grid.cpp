@@ -30,14 +30,16 @@ CornerGrid::Reach CornerGrid::reach_in_row(std::size_t row, const PlanePoint& a,
   if (rows_ == 1) return all;
   const double bottom = low_.y + static_cast<double>(row) * side_, top = bottom + side_;
   Reach reach{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
-  const auto take = [&](double x) { reach = {std::min(reach.left, x), std::max(reach.right, x)}; };
+  const auto extend = [&](double x) {
+    reach = {std::min(reach.left, x), std::max(reach.right, x)};
+  };
   const std::array<const PlanePoint*, 4> outline{&a, &b, &c, &a};
   for (std::size_t k = 0; k < 3; ++k) {
     const PlanePoint &from = *outline[k], &to = *outline[k + 1];
-    if (from.y >= bottom && from.y <= top) take(from.x);
+    if (from.y >= bottom && from.y <= top) extend(from.x);
     for (const double y : {bottom, top}) {
       const double along = (y - from.y) / (to.y - from.y);  // NaN or infinite for a horizontal edge
-      if (along >= 0 && along <= 1) take(from.x + along * (to.x - from.x));
+      if (along >= 0 && along <= 1) extend(from.x + along * (to.x - from.x));
     }
   }
   // Rounding may place a triangle's end beside its row.

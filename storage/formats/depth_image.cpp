@@ -38,11 +38,13 @@ Result<Camera> depth_camera(const Input& input, std::uint64_t width, std::uint64
   const Camera& camera = *input.options.camera;
   if ((camera.width > 0 && camera.width != width) ||
       (camera.height > 0 && camera.height != height)) {
-    const auto told = [](std::uint32_t size) { return size > 0 ? std::to_string(size) : "any"; };
+    const auto size_text = [](std::uint32_t size) {
+      return size > 0 ? std::to_string(size) : "any";
+    };
     return input.refuse(
         fmt::format("expected an image of {} x {} pixels, as its camera's, found {} x {}; give the "
                     "camera of this size",
-                    told(camera.width), told(camera.height), width, height));
+                    size_text(camera.width), size_text(camera.height), width, height));
   }
   return camera;
 }

@@ -19,10 +19,10 @@ void check_extensions(const JsonNode& root) {
   if (!root.has("extensionsRequired")) return;
   for (const JsonNode& extension : root.at("extensionsRequired").elements()) {
     const std::string name = extension.string();
-    const bool only_looks = name.starts_with("KHR_materials_") ||
-                            name.starts_with("KHR_texture_") || name.starts_with("EXT_texture_") ||
-                            name == "KHR_lights_punctual";
-    if (only_looks || name == "KHR_mesh_quantization") continue;
+    const bool only_appearance = name.starts_with("KHR_materials_") ||
+                                 name.starts_with("KHR_texture_") ||
+                                 name.starts_with("EXT_texture_") || name == "KHR_lights_punctual";
+    if (only_appearance || name == "KHR_mesh_quantization") continue;
     const bool packed = name == "KHR_draco_mesh_compression" || name == "EXT_meshopt_compression";
     extension.refuse(
         fmt::format("the file needs the extension {}, which is not read; export it "
@@ -125,13 +125,14 @@ class GltfReader {
     std::vector<Visit> open;
     for (const std::size_t node : roots()) open.push_back({node, scene});
     std::reverse(open.begin(), open.end());
-    std::vector<bool> seen(nodes_.size(), false);
+    std::vector<bool> visited(nodes_.size(), false);
     while (!open.empty()) {
       const Visit visit = open.back();
       open.pop_back();
       const JsonNode& node = nodes_[visit.node];
-      if (seen[visit.node]) node.refuse("expected one parent a node, found it twice in the scene");
-      seen[visit.node] = true;
+      if (visited[visit.node])
+        node.refuse("expected one parent a node, found it twice in the scene");
+      visited[visit.node] = true;
       const Transform transform = visit.above * transform_of(node);
       if (node.has("mesh")) add_mesh(node, transform);
       if (!node.has("children")) continue;

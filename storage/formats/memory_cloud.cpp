@@ -131,7 +131,7 @@ Result<void> check_points(const Input& input, const ArrayView& xyz,
   return {};
 }
 
-Result<Triangles> take_triangles(const Input& input, const ArrayView& array,
+Result<Triangles> copy_triangles(const Input& input, const ArrayView& array,
                                  std::size_t num_points) {
   TRIVET_TRY(check_array(input, "triangles", array));
   if (array.num_dimensions != 2 || array.shape[1] != 3) {
@@ -158,15 +158,15 @@ Result<Triangles> take_triangles(const Input& input, const ArrayView& array,
   });
 }
 
-Result<Cloud> take_points(const Input& input, const ArrayView& xyz,
+Result<Cloud> copy_points(const Input& input, const ArrayView& xyz,
                           const MemoryCloudOptions& options) {
   TRIVET_TRY(check_points(input, xyz, options));
   Positions positions = vectors_of(xyz);
   const std::size_t num_points = positions.size();
   Triangles triangles;
   if (options.triangles) {
-    TRIVET_TRY_ASSIGN(Triangles taken, take_triangles(input, *options.triangles, num_points));
-    triangles = std::move(taken);
+    TRIVET_TRY_ASSIGN(Triangles copied, copy_triangles(input, *options.triangles, num_points));
+    triangles = std::move(copied);
   }
   const std::size_t height = xyz.num_dimensions == 3 && num_points > 0 ? xyz.shape[0] : 1;
   Cloud cloud = arrange_points(
@@ -176,7 +176,7 @@ Result<Cloud> take_points(const Input& input, const ArrayView& xyz,
   return finish(std::move(cloud), input);
 }
 
-Result<Cloud> take_depths(const Input& input, const ArrayView& depths) {
+Result<Cloud> copy_depths(const Input& input, const ArrayView& depths) {
   TRIVET_TRY(check_array(input, "depths", depths));
   if (depths.num_dimensions != 2) {
     return Error{ErrorCode::usage, fmt::format("{}: depths: expected the shape (height, width), "
@@ -209,7 +209,7 @@ Result<Cloud> cloud_from_points(const ArrayView& xyz, const MemoryCloudOptions& 
   const std::filesystem::path name(options.name);
   const ReadOptions read = read_options(options);
   const Input input{name, {}, read};
-  return formats::within_memory(input, [&] { return take_points(input, xyz, options); });
+  return formats::within_memory(input, [&] { return copy_points(input, xyz, options); });
 }
 
 Result<Cloud> cloud_from_depths(const ArrayView& depths, const Camera& camera,
@@ -218,7 +218,7 @@ Result<Cloud> cloud_from_depths(const ArrayView& depths, const Camera& camera,
   ReadOptions read = read_options(options);
   read.camera = camera;
   const Input input{name, {}, read};
-  return formats::within_memory(input, [&] { return take_depths(input, depths); });
+  return formats::within_memory(input, [&] { return copy_depths(input, depths); });
 }
 
 }  // namespace trivet

@@ -27,7 +27,7 @@ class Literals {
     return at_ == text_.size();
   }
   /// Whether this comes next; if so, skips it.
-  bool take(std::string_view expected) {
+  bool accept(std::string_view expected) {
     skip_blanks();
     if (!text_.substr(at_).starts_with(expected)) return false;
     at_ += expected.size();
@@ -44,25 +44,25 @@ class Literals {
     return found;
   }
   std::optional<bool> boolean() {
-    if (take("True")) return true;
-    if (take("False")) return false;
+    if (accept("True")) return true;
+    if (accept("False")) return false;
     return {};
   }
   /// (), (3,), (3, 4) or (3, 4,); integers may end with the L of Python 2.
   std::optional<std::vector<std::uint64_t>> tuple() {
-    if (!take("(")) return {};
+    if (!accept("(")) return {};
     std::vector<std::uint64_t> numbers;
-    while (!take(")")) {
+    while (!accept(")")) {
       skip_blanks();
       std::uint64_t number = 0;
       const char* const end = text_.data() + text_.size();
       const auto [behind, fault] = std::from_chars(text_.data() + at_, end, number);
       if (fault != std::errc{} || numbers.size() == kMaxDimensions) return {};
       at_ = static_cast<std::size_t>(behind - text_.data());
-      take("L");
+      accept("L");
       numbers.push_back(number);
-      if (take(",")) continue;
-      if (numbers.size() < 2 || !take(")")) return {};
+      if (accept(",")) continue;
+      if (numbers.size() < 2 || !accept(")")) return {};
       break;
     }
     return numbers;
@@ -87,7 +87,7 @@ struct Entries {
 /// Read one entry of the dictionary, each key once. The caller reports missing ones.
 bool read_entry(Literals& text, Entries& entries) {
   const auto key = text.string();
-  if (!key || !text.take(":")) return false;
+  if (!key || !text.accept(":")) return false;
   if (*key == "descr" && !entries.descr) return (entries.descr = text.string()).has_value();
   if (*key == "fortran_order" && !entries.fortran_order)
     return (entries.fortran_order = text.boolean()).has_value();
@@ -96,11 +96,11 @@ bool read_entry(Literals& text, Entries& entries) {
 }
 
 bool read_dictionary(Literals& text, Entries& entries) {
-  if (!text.take("{")) return false;
-  while (!text.take("}")) {
+  if (!text.accept("{")) return false;
+  while (!text.accept("}")) {
     if (!read_entry(text, entries)) return false;
-    if (text.take(",")) continue;
-    if (!text.take("}")) return false;
+    if (text.accept(",")) continue;
+    if (!text.accept("}")) return false;
     break;
   }
   return entries.complete() && text.at_end();

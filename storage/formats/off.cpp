@@ -16,15 +16,15 @@ namespace {
 
 std::optional<OffKeyword> parse_keyword(std::string_view word) {
   OffKeyword keyword;
-  const auto take = [&](std::string_view prefix) {
+  const auto accept = [&](std::string_view prefix) {
     if (!word.starts_with(prefix)) return false;
     word.remove_prefix(prefix.size());
     return true;
   };
-  keyword.has_texture = take("ST");
-  keyword.has_colors = take("C");
-  keyword.has_normals = take("N");
-  if (!take("OFF")) return {};
+  keyword.has_texture = accept("ST");
+  keyword.has_colors = accept("C");
+  keyword.has_normals = accept("N");
+  if (!accept("OFF")) return {};
   keyword.rest = word;
   return keyword;
 }
@@ -53,10 +53,10 @@ class OffText {
   }
   /// Number of lines with words, from this one on.
   std::uint64_t count_lines() const {
-    OffText ahead = *this;
+    OffText lookahead = *this;
     std::uint64_t count = 0;
-    do count += ahead.word().empty() ? 0 : 1;
-    while (ahead.next_line());
+    do count += lookahead.word().empty() ? 0 : 1;
+    while (lookahead.next_line());
     return count;
   }
 

@@ -127,12 +127,12 @@ std::optional<PcdField> find_intensity(const PcdHeader& header) {
 /// Convert colors that were read as numbers to brightness.
 void unpack_colors(const PcdField& field, std::span<double> values) {
   for (double& value : values) {
-    const bool is_whole = std::abs(value) < 0x1p32;
+    const bool is_in_range = std::abs(value) < 0x1p32;
     if (field.type == Scalar::float32)
       value = brightness(std::bit_cast<std::uint32_t>(to_float(value)));
     else
-      value =
-          brightness(static_cast<std::uint32_t>(static_cast<std::int64_t>(is_whole ? value : 0)));
+      value = brightness(
+          static_cast<std::uint32_t>(static_cast<std::int64_t>(is_in_range ? value : 0)));
   }
 }
 

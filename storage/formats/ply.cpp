@@ -154,11 +154,11 @@ Result<void> read_scalars(PlyBody& body, const PlyElement& element,
   return {};
 }
 
-/// Read the rows of an element with one list of vertex indices: begin(row, count), then take(value)
-/// for each, which returns whether the value is valid.
-template <class Begin, class Take>
+/// Read the rows of an element with one list of vertex indices: begin(row, count), then
+/// store(value) for each, which returns whether the value is valid.
+template <class Begin, class Store>
 Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::size_t list,
-                              Begin&& begin, Take&& take) {
+                              Begin&& begin, Store&& store) {
   for (std::uint64_t row = 0; row < element.count; ++row) {
     body.begin_row();
     for (std::size_t p = 0; p < element.properties.size(); ++p) {
@@ -175,7 +175,7 @@ Result<void> read_index_lists(PlyBody& body, const PlyElement& element, std::siz
       for (std::uint64_t i = 0; i < count; ++i) {
         double value = 0;
         if (!body.read(property.type, value)) return body.fault(element, row, "a vertex index");
-        if (!take(value)) {
+        if (!store(value)) {
           return body.refuse(fmt::format("{} {} names vertex {}, which the file does not have",
                                          quote(element.name), row, value));
         }
@@ -206,28 +206,28 @@ Result<void> read_faces(PlyBody& body, const PlyElement& element, std::size_t li
 /// begins a new strip. Triangles with a repeated vertex only join strips and are dropped.
 Result<void> read_strips(PlyBody& body, const PlyElement& element, std::size_t list, Cloud& cloud) {
   std::uint32_t older = 0, newer = 0;
-  std::uint64_t seen = 0;
+  std::uint64_t num_corners = 0;
   return read_index_lists(
       body, element, list,
       [&](std::uint64_t, std::uint64_t) {
-        seen = 0;
+        num_corners = 0;
         return true;
       },
       [&](double value) {
         if (value == -1) {
-          seen = 0;
+          num_corners = 0;
           return true;
         }
         const auto index = to_index(value, cloud.points.size());
         if (!index) return false;
         const bool proper = older != newer && newer != *index && *index != older;
-        if (seen >= 2 && proper) {
-          if (seen % 2 == 0) cloud.triangles.push_back(older, newer, *index);
-          if (seen % 2 == 1) cloud.triangles.push_back(newer, older, *index);
+        if (num_corners >= 2 && proper) {
+          if (num_corners % 2 == 0) cloud.triangles.push_back(older, newer, *index);
+          if (num_corners % 2 == 1) cloud.triangles.push_back(newer, older, *index);
         }
         older = newer;
         newer = *index;
-        ++seen;
+        ++num_corners;
         return true;
       });
 }

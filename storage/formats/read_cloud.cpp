@@ -27,7 +27,7 @@ struct Format {
   Result<Cloud> (*read)(const formats::Input&);
   std::string_view begin;  ///< first bytes of every such file; empty: format not recognizable
   bool holds_clouds = true, holds_depths = false;
-  std::string_view looks{};  ///< extension of the recognized content, if different
+  std::string_view looks{};  ///< extension of the recognized appearance, if different
 };
 
 #ifdef TRIVET_BUILD_STEP

@@ -130,7 +130,7 @@ class EarClipper {
     const double area = area_of(a, b, c);
     switch (demand) {
       case Demand::ear:
-        return area > 0 ? is_empty(tip, 0) : area == 0 && turns_back(a, b, c);
+        return area > 0 ? is_empty(tip, 0) : area == 0 && reverses(a, b, c);
       case Demand::rounded_ear: {
         const double length = std::hypot(b.x - a.x, b.y - a.y) + std::hypot(c.x - b.x, c.y - b.y);
         return std::abs(area) <= rounding_ * length || (area > 0 && is_empty(tip, rounding_));
@@ -147,7 +147,7 @@ class EarClipper {
 
   /// Whether collinear corners repeat a position or reverse direction, as bridges do after their
   /// hole is filled; otherwise they continue straight.
-  static bool turns_back(const Corner& a, const Corner& b, const Corner& c) {
+  static bool reverses(const Corner& a, const Corner& b, const Corner& c) {
     return (a.x - b.x) * (c.x - b.x) + (a.y - b.y) * (c.y - b.y) >= 0;
   }
 
@@ -173,9 +173,9 @@ class EarClipper {
       return !inside;
     };
     return grid_.visit({a.x, a.y}, {b.x, b.y}, {c.x, c.y}, [&](auto run) {
-      const std::uint64_t looked_at = std::min<std::uint64_t>(steps_, run.size() + 1);
-      steps_ -= looked_at;
-      return looked_at > run.size() &&
+      const std::uint64_t num_visited = std::min<std::uint64_t>(steps_, run.size() + 1);
+      steps_ -= num_visited;
+      return num_visited > run.size() &&
              std::ranges::all_of(run, [&](std::uint32_t i) { return lies_outside(corners_[i]); });
     });
   }

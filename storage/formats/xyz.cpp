@@ -181,7 +181,7 @@ class XyzReader {
     if (columns_.count >= 6) columns_.normal = {3, 4, 5};
     // PTS format: x y z intensity, then a color.
     if (columns_.count == 4 || columns_.count == 7) set_intensity(3);
-    if (take_names(names) || header_line == 0) return {};
+    if (set_columns_by_name(names) || header_line == 0) return {};
     // A title is not a list of names, and the names of three columns do not matter.
     const bool are_names = delimiter_ != Delimiter::blanks && names.size() == columns_.count;
     const auto position = find_names(names, kPosition);
@@ -195,7 +195,7 @@ class XyzReader {
   }
 
   /// Whether the names identify the coordinates.
-  bool take_names(std::span<const std::string> names) {
+  bool set_columns_by_name(std::span<const std::string> names) {
     const auto position = find_names(names, kPosition);
     if (names.size() != columns_.count || !position) return false;
     const auto three = [](const std::vector<std::size_t>& places) {

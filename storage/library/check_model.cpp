@@ -254,9 +254,9 @@ std::string check_views(const Model& model) {
   const std::span<const ViewMask> views = model.sample_views;
   std::string wrong = check_length("sample_views", views.size(), model.samples.size());
   if (!wrong.empty()) return wrong;
-  const bool seen =
+  const bool any_visible =
       std::ranges::any_of(views, [](const ViewMask& mask) { return mask != ViewMask{}; });
-  return seen
+  return any_visible
              ? ""
              : "sample_views: expected directions from which samples are visible, found no bit set";
 }

@@ -255,10 +255,10 @@ Result<MappedFile> map(const fs::path& file, Writers writers) {
   return MappedFile::open(file, std::numeric_limits<std::uint64_t>::max(), writers);
 }
 
-Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole) {
+Result<Library> open(const fs::path& file, const MappedFile& mapped, bool read_all) {
   const FileBytes own = bytes_of(mapped);
   TRIVET_TRY(check_superblock(file, own.bytes));
-  Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), whole ? "" : "models");
+  Result<StoredGroup> root = read_stored_tree(file, own.bytes.size(), read_all ? "" : "models");
   if (!root) return root.error();
   GroupReader reader(file, own.bytes);
   if (root->attributes.contains(std::string(format::kColumnsIn))) {
@@ -267,19 +267,19 @@ Result<Library> open(const fs::path& file, const MappedFile& mapped, bool whole)
   }
   const StoredGroup* const directory = GroupReader::below(*root, "directory");
   if (directory != nullptr && is_in_place(reader, *directory))
-    return parse(file, *root, own, own, whole ? From::both : From::directory, Held::mapped);
-  if (!whole) root = read_stored_tree(file, own.bytes.size());
+    return parse(file, *root, own, own, read_all ? From::both : From::directory, Held::mapped);
+  if (!read_all) root = read_stored_tree(file, own.bytes.size());
   if (!root) return root.error();
   return parse(file, *root, own, own, From::groups, Held::mapped);
 }
 
 /// Open the target of a path. HDF5 opens it by name again: if the file was replaced meanwhile, the
 /// new one is opened.
-Result<Library> open(const fs::path& file, Writers writers, bool whole) {
+Result<Library> open(const fs::path& file, Writers writers, bool read_all) {
   constexpr int kMostTries = 10;
   for (int i = 0;; ++i) {
     TRIVET_TRY_ASSIGN(const auto mapped, map(file, writers));
-    Result<Library> library = open(file, mapped, whole);
+    Result<Library> library = open(file, mapped, read_all);
     if (!mapped.is_at(file) && i + 1 < kMostTries) continue;
     if (mapped.state() != MappedFile::State::changed) return library;
     return Error{

@@ -36,27 +36,27 @@ char32_t code_point_of(std::string_view character) noexcept {
 }
 
 /// Whether a character beyond ASCII is invisible: blanks, word joiners, tags, noncharacters.
-bool is_unseen(char32_t c) noexcept {
-  constexpr std::array<std::array<char32_t, 2>, 12> kUnseen{{{0xA0, 0xA0},
-                                                             {0xAD, 0xAD},
-                                                             {0x1680, 0x1680},
-                                                             {0x2000, 0x200B},
-                                                             {0x202F, 0x202F},
-                                                             {0x205F, 0x2065},
-                                                             {0x3000, 0x3000},
-                                                             {0x3164, 0x3164},
-                                                             {0xFDD0, 0xFDEF},
-                                                             {0xFEFF, 0xFEFF},
-                                                             {0xFFF0, 0xFFFF},
-                                                             {0xE0000, 0x10FFFF}}};
-  return std::ranges::any_of(kUnseen, [&](const auto& r) { return c >= r[0] && c <= r[1]; });
+bool is_invisible(char32_t c) noexcept {
+  constexpr std::array<std::array<char32_t, 2>, 12> kInvisible{{{0xA0, 0xA0},
+                                                                {0xAD, 0xAD},
+                                                                {0x1680, 0x1680},
+                                                                {0x2000, 0x200B},
+                                                                {0x202F, 0x202F},
+                                                                {0x205F, 0x2065},
+                                                                {0x3000, 0x3000},
+                                                                {0x3164, 0x3164},
+                                                                {0xFDD0, 0xFDEF},
+                                                                {0xFEFF, 0xFEFF},
+                                                                {0xFFF0, 0xFFFF},
+                                                                {0xE0000, 0x10FFFF}}};
+  return std::ranges::any_of(kInvisible, [&](const auto& r) { return c >= r[0] && c <= r[1]; });
 }
 
 /// Pre: well-formed UTF-8.
 bool is_allowed(std::string_view character) {
   const char first = character.front();
   if (is_ascii(first)) return is_alphanumeric(first) || is_mark(first);
-  return !is_unseen(code_point_of(character)) && printable(character) == character;
+  return !is_invisible(code_point_of(character)) && printable(character) == character;
 }
 
 /// The text in Unicode normal form C, with each letter and its accents as one character: macOS

@@ -9,11 +9,11 @@
 namespace trivet::engine {
 namespace {
 
-TEST(PrepareAhead, UsesInOrderWhatIsPreparedAtOnce) {
+TEST(RunPipeline, UsesInOrderWhatIsPreparedAtOnce) {
   std::vector<std::size_t> expected(500), used;
   std::iota(expected.begin(), expected.end(), std::size_t{0});
   std::atomic<int> using_now{0};
-  prepare_ahead(
+  run_pipeline(
       expected.size(), [](std::size_t i) { return 3 * i; },
       [&](std::size_t i, std::size_t prepared) {
         EXPECT_EQ(using_now++, 0) << "one at a time";
@@ -23,14 +23,14 @@ TEST(PrepareAhead, UsesInOrderWhatIsPreparedAtOnce) {
         return true;
       });
   EXPECT_EQ(used, expected);
-  prepare_ahead(
+  run_pipeline(
       0, [](std::size_t i) { return i; }, [](std::size_t, std::size_t) { return false; });
 }
 
-TEST(PrepareAhead, UsesNothingAfterWhatEndsIt) {
+TEST(RunPipeline, UsesNothingAfterWhatEndsIt) {
   std::atomic<std::size_t> num_prepared{0};
   std::size_t num_used = 0;
-  prepare_ahead(
+  run_pipeline(
       100'000,
       [&](std::size_t i) {
         ++num_prepared;

@@ -61,16 +61,16 @@ TEST(ByFalling, SortsRowsByAColumnTiesInTheirOrder) {
   EXPECT_TRUE(by_falling(column, Rows{}).empty());
 }
 
-TEST(TakeBest, LeavesTheRestAndKeepsTheOrderOfBoth) {
+TEST(ExtractBest, LeavesTheRestAndKeepsTheOrderOfBoth) {
   const std::vector<float> column{3, 1, 2, 3, 9};
   Rows rows{1, 2, 3, 0};
-  EXPECT_EQ(take_best(column, 2, rows), (Rows{3, 0}));
+  EXPECT_EQ(extract_best(column, 2, rows), (Rows{3, 0}));
   EXPECT_EQ(rows, (Rows{1, 2}));
-  EXPECT_EQ(take_best(column, 2, rows), (Rows{1, 2}));
+  EXPECT_EQ(extract_best(column, 2, rows), (Rows{1, 2}));
   EXPECT_TRUE(rows.empty());
   Rows ties{3, 0};
-  EXPECT_EQ(take_best(column, 1, ties), Rows{3}) << "the first of equals";
-  EXPECT_TRUE(take_best(column, 0, ties).empty());
+  EXPECT_EQ(extract_best(column, 1, ties), Rows{3}) << "the first of equals";
+  EXPECT_TRUE(extract_best(column, 0, ties).empty());
   EXPECT_EQ(ties, Rows{0});
 }
 

@@ -158,7 +158,7 @@ std::vector<VotePeak> naive_peaks(const Accumulator& accumulator, std::size_t ma
 }
 
 // Small counts make ties among rows and bins common, and peaks at the seam likely.
-TEST(TakePeaks, AgreesWithNaivePeaksAndLeavesZeros) {
+TEST(ExtractPeaks, AgreesWithNaivePeaksAndLeavesZeros) {
   for (std::uint64_t trial = 0; trial < 300; ++trial) {
     Random random(trial);
     Accumulator accumulator((1 + random.below(30)) * kRotationBins, 0);
@@ -169,7 +169,7 @@ TEST(TakePeaks, AgreesWithNaivePeaksAndLeavesZeros) {
     const std::size_t max_peaks = 1 + random.below(kMaxPeaks);
     const float share = std::array{0.0F, 0.5F, 0.75F, 1.0F}[random.below(4)];
     const auto expected = naive_peaks(accumulator, max_peaks, static_cast<double>(share));
-    const VotePeaks found = take_peaks(accumulator, max_peaks, share);
+    const VotePeaks found = extract_peaks(accumulator, max_peaks, share);
     ASSERT_EQ(found.count, expected.size()) << trial;
     for (std::size_t k = 0; k < found.count; ++k) {
       EXPECT_EQ(found.peak[k].model_point, expected[k].model_point) << trial;
@@ -180,18 +180,18 @@ TEST(TakePeaks, AgreesWithNaivePeaksAndLeavesZeros) {
   }
 }
 
-TEST(TakePeaks, FindsNothingInAnEmptyAccumulator) {
+TEST(ExtractPeaks, FindsNothingInAnEmptyAccumulator) {
   Accumulator accumulator(3 * kRotationBins, 0);
-  EXPECT_EQ(take_peaks(accumulator, kMaxPeaks, 0.5F).count, 0U);
-  EXPECT_EQ(take_peaks(std::span(accumulator).first(0), kMaxPeaks, 0.5F).count, 0U);
+  EXPECT_EQ(extract_peaks(accumulator, kMaxPeaks, 0.5F).count, 0U);
+  EXPECT_EQ(extract_peaks(std::span(accumulator).first(0), kMaxPeaks, 0.5F).count, 0U);
 }
 
 // The sum of three full counters exceeds 16 bits.
-TEST(TakePeaks, SumsWithoutOverflow) {
+TEST(ExtractPeaks, SumsWithoutOverflow) {
   Accumulator accumulator(2 * kRotationBins, 0);
   for (const std::uint32_t bin : {31U, 32U, 62U, 63U})
     accumulator[bin] = 65535;  // row 1: 0, 30, 31
-  const VotePeaks peaks = take_peaks(accumulator, 2, 0);
+  const VotePeaks peaks = extract_peaks(accumulator, 2, 0);
   ASSERT_EQ(peaks.count, 2U);
   EXPECT_EQ(peaks.peak[0].model_point, 1U);
   EXPECT_EQ(peaks.peak[0].votes, 3U * 65535);
@@ -205,7 +205,7 @@ TEST(Voting, AllocatesNothing) {
   Accumulator accumulator(v.num_points * kRotationBins, 0);
   EXPECT_EQ(test::allocations_in([&] {
               cast_votes(v.votes, v.table(), 500, accumulator);
-              take_peaks(accumulator, kMaxPeaks, 0.5F);
+              extract_peaks(accumulator, kMaxPeaks, 0.5F);
             }),
             0U);
 }
@@ -246,7 +246,7 @@ TEST(Voting, FindsTheMotionOfACopy) {
       collect_scene_votes(frame, {scene.points, scene.normals}, {table.quantization, 0.2F}, scratch,
                           keys, votes);
       cast_votes(votes, table.view(), kNoLimit, accumulator);
-      const VotePeak peak = take_peaks(accumulator, 1, 0.5F).peak[0];
+      const VotePeak peak = extract_peaks(accumulator, 1, 0.5F).peak[0];
       ASSERT_EQ(peak.model_point, r);
       EXPECT_GE(peak.votes, 95U);  // its 99 pairs, less those that rounding moves elsewhere
       Pose turn = Pose::Identity();

@@ -23,8 +23,8 @@ std::vector<float> pattern(const std::function<double(int, int)>& disparity, dou
   for (std::size_t i = 0; i < dots.size(); ++i) {
     CounterRandom random(seed, 0, i);
     if (random.uniform() >= share) continue;
-    const double seen = disparity(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth));
-    dots[i] = seen > 0 ? static_cast<float>(seen + noise * random.normal()) : kUnseenDot;
+    const double visible = disparity(static_cast<int>(i % kWidth), static_cast<int>(i / kWidth));
+    dots[i] = visible > 0 ? static_cast<float>(visible + noise * random.normal()) : kHiddenDot;
   }
   return dots;
 }
@@ -40,7 +40,7 @@ double reference_match(const std::vector<float>& dots, int u, int v, const Windo
   struct Dot {
     double disparity, weight;
   };
-  std::vector<Dot> seen;
+  std::vector<Dot> visible;
   double all = 0, sum = 0;
   const int half = static_cast<int>(o.half_window);
   for (int y = v - half; y <= v + half; ++y) {
@@ -52,25 +52,25 @@ double reference_match(const std::vector<float>& dots, int u, int v, const Windo
           1 - static_cast<double>(o.taper) * (std::abs(x - u) + std::abs(y - v)) / (2.0 * half);
       all += weight;
       if (dot < 0) continue;
-      seen.push_back({dot, weight});
+      visible.push_back({dot, weight});
       sum += dot;
     }
   }
-  if (seen.empty()) return 0;
-  std::vector<double> centers{sum / static_cast<double>(seen.size())};
-  for (const Dot& dot : seen) centers.push_back(dot.disparity);
+  if (visible.empty()) return 0;
+  std::vector<double> centers{sum / static_cast<double>(visible.size())};
+  for (const Dot& dot : visible) centers.push_back(dot.disparity);
   double best_weight = 0, best_mean = 0;
   std::size_t best_count = 0;
   for (std::size_t c = 0; c < centers.size(); ++c) {
     double weight = 0, moment = 0;
     std::size_t count = 0;
-    for (const Dot& dot : seen) {
+    for (const Dot& dot : visible) {
       if (std::abs(dot.disparity - centers[c]) > static_cast<double>(o.reach_pixel)) continue;
       weight += dot.weight;
       moment += dot.weight * dot.disparity;
       ++count;
     }
-    if (c == 0 && count < seen.size()) continue;  // the mean counts only where all agree with it
+    if (c == 0 && count < visible.size()) continue;  // the mean counts only where all agree with it
     if (weight > best_weight) {
       best_weight = weight;
       best_mean = moment / weight;
@@ -206,7 +206,7 @@ TEST(MatchWindows, AllocatesNothing) {
 }
 
 TEST(MatchWindows, FindsNothingWithoutDots) {
-  for (const float none : {kNoDot, kUnseenDot}) {
+  for (const float none : {kNoDot, kHiddenDot}) {
     const std::vector<float> out = match(std::vector<float>(kWidth * kHeight, none), {});
     EXPECT_EQ(std::count(out.begin(), out.end(), 0.0F), std::ptrdiff_t{kWidth * kHeight});
   }

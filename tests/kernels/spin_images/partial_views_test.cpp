@@ -60,7 +60,7 @@ struct Gridded {
 };
 
 // The reference: the points of a view alone, without the others.
-TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
+TEST(ExtractView, GivesWhatTheViewsPointsAloneGive) {
   const Scene scene(1);
   const Gridded gridded(scene);
   ViewedSupport all;
@@ -76,7 +76,7 @@ TEST(TakeView, GivesWhatTheViewsPointsAloneGive) {
     for (const std::size_t at : {0U, 17U, 400U}) {
       const Eigen::Vector3f keypoint = scene.points[at];
       gather_viewed_support(gridded.grid, gridded.views, keypoint, kRadius, all);
-      take_view(gridded.grid, all, view, gridded.sharers, found);
+      extract_view(gridded.grid, all, view, gridded.sharers, found);
       gather_support(alone_grid, areas, keypoint, kRadius, expected);
       EXPECT_GT(found.size, 20U);
       EXPECT_EQ(rows_of(found), rows_of(expected)) << view;
@@ -106,7 +106,7 @@ TEST(CompareViews, FindsViewsWhoseVisiblePointsDifferLittle) {
   const Gridded gridded(scene);
   ViewedSupport all;
   gather_viewed_support(gridded.grid, gridded.views, scene.points[0], kRadius, all);
-  const auto sees = [&](std::size_t v, std::size_t p) {
+  const auto is_visible_in = [&](std::size_t v, std::size_t p) {
     return (gridded.views[all.places[p]] >> v & 1U) != 0;
   };
   for (const float share : {0.3F, 0.6F, 1.5F, 2.0F}) {
@@ -115,13 +115,13 @@ TEST(CompareViews, FindsViewsWhoseVisiblePointsDifferLittle) {
     compare_views(all, wanted, share, found);
     for (const std::size_t a : {0U, 5U, 63U}) {
       std::size_t size = 0;
-      for (std::size_t p = 0; p < all.size; ++p) size += sees(a, p) ? 1 : 0;
+      for (std::size_t p = 0; p < all.size; ++p) size += is_visible_in(a, p) ? 1 : 0;
       EXPECT_EQ(found.sizes[a], size);
       for (const std::size_t b : {0U, 5U, 63U}) {
         double differing = 0, both = 0;
         for (std::size_t p = 0; p < all.size; ++p) {
-          differing += sees(a, p) != sees(b, p) ? 1 : 0;
-          both += 0.5 * (sees(a, p) + sees(b, p));
+          differing += is_visible_in(a, p) != is_visible_in(b, p) ? 1 : 0;
+          both += 0.5 * (is_visible_in(a, p) + is_visible_in(b, p));
         }
         EXPECT_EQ((found.alike[a] >> b & 1U) != 0, differing <= share * both) << a << " " << b;
       }
@@ -148,7 +148,7 @@ TEST(PartialViews, AllocateOnlyOnce) {
   const auto describe = [&](std::size_t at) {
     gather_viewed_support(gridded.grid, gridded.views, scene.points[at], kRadius, all);
     compare_views(all, scene.views[at], 0.2F, like);
-    take_view(gridded.grid, all, 0, gridded.sharers, support);
+    extract_view(gridded.grid, all, 0, gridded.sharers, support);
   };
   for (std::size_t at = 0; at < scene.points.size(); ++at) describe(at);
   EXPECT_EQ(test::allocations_in([&] {

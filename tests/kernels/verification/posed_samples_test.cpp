@@ -62,7 +62,7 @@ TEST(PosedSamples, DecidesVisibilityByTheViewTowardsTheCamera) {
   const Vector3f to_camera = (close.geometry.T_camera_scene * pose).inverse().translation();
   const std::size_t view = nearest_view(to_camera);
   for (std::size_t i = 0; i < samples.points.size(); ++i)
-    ASSERT_EQ(posed.sees(i), is_visible(samples.views[i], view)) << i;
+    ASSERT_EQ(posed.is_visible(i), is_visible(samples.views[i], view)) << i;
 }
 
 TEST(PosedSamples, AllocatesNothing) {

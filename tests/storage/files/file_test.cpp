@@ -66,10 +66,10 @@ TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
   const test::TempDir folder;
   fs::create_directories(folder / "taken/inside");
   const auto no_folder = publish_file(folder / "none/a", bytes_of("x"));
-  const auto taken = publish_file(folder / "taken", bytes_of("x"));
-  ASSERT_FALSE(no_folder || taken);
+  const auto published = publish_file(folder / "taken", bytes_of("x"));
+  ASSERT_FALSE(no_folder || published);
   EXPECT_EQ(no_folder.error().code, ErrorCode::cannot_create);
-  EXPECT_EQ(taken.error().code, ErrorCode::cannot_create);
+  EXPECT_EQ(published.error().code, ErrorCode::cannot_create);
   EXPECT_EQ(count_files(folder.path()), 1);
 }
 
