@@ -37,8 +37,10 @@ static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
               "scenes are thinned as models are");
 constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // maximum for a closed surface
-// Maximum pairs per point in a voxel; one surface has 2 or 3.
-constexpr std::size_t kMostPairs = 16;
+// Bounds on the points in the voxel of a point of a closed surface, in the mean, and so on the
+// neighbors for fitting normals: a ball holds some 4 times as many as a voxel as wide as its radius.
+constexpr double kMostInCell = 6;    // voxels as wide as the spacing; one surface has 2 or 3
+constexpr double kMostSurfaces = 2;  // in voxels as wide as the window, each a flat surface
 constexpr double kMostPixels = 256;  // maximum pixels per point on one side of a closed surface
 
 /// Half-width of the window for measuring the scene's noise, in pixels or spacings.
@@ -261,31 +263,39 @@ Normals vertex_normals(PointsView points, const Triangles& triangles) {
   return normals;
 }
 
-/// Where surfaces coincide, keep one of those with the same orientation; otherwise each point would
-/// have one neighbor per layer. Returns whether any surfaces coincided; the points are then about
-/// `cell` apart.
-bool keep_one_layer(float cell, Points& points, Normals& outward) {
-  if (points.empty()) return false;
-  kernels::SubsampleScratch scratch;
+/// The number of points in the voxel of a point, itself included: the mean over all points.
+double mean_in_voxel(const Points& points, float cell, kernels::SubsampleScratch& scratch) {
   kernels::group_by_voxel(points, kernels::fit_lattice(points, cell), scratch.voxels,
                           scratch.grouping);
-  std::size_t num_pairs = 0;  // pairs of points that share a voxel
+  double num_pairs = 0;  // pairs of points that share a voxel
   for (std::size_t v = 0; v < scratch.voxels.size(); ++v) {
-    const std::size_t count = scratch.voxels.points_of(v).size();
+    const auto count = static_cast<double>(scratch.voxels.points_of(v).size());
     num_pairs += count * count;
   }
-  if (num_pairs <= kMostPairs * points.size()) return false;
-  for (std::size_t i = 0; i < outward.size(); ++i) {
-    const float length = outward[i].norm();  // 0 for a vertex without faces, which gives NaN
-    outward.set(i, outward[i] / length);
+  return num_pairs / static_cast<double>(points.size());
+}
+
+/// Where surfaces coincide, keep one of those with the same orientation, and where too many of
+/// different orientations meet, one of all; otherwise each point would have one neighbor per layer.
+/// Returns whether any surfaces coincided; the points are then about `cell` apart.
+bool keep_one_layer(float cell, Points& points, Normals& outward) {
+  kernels::SubsampleScratch scratch;
+  bool is_thinned = false;
+  for (const float max_angle_rad : {kNormalClusterRad, std::numbers::pi_v<float>}) {
+    if (points.empty() || mean_in_voxel(points, cell, scratch) <= kMostInCell) break;
+    for (std::size_t i = 0; i < outward.size(); ++i) {
+      const float length = outward[i].norm();  // 0 for a vertex without faces, which gives NaN
+      outward.set(i, outward[i] / length);
+    }
+    Points kept;
+    Normals kept_outward;
+    kernels::subsample_by_normals({points, outward}, cell, max_angle_rad, kept, kept_outward,
+                                  scratch);
+    points = std::move(kept);
+    outward = std::move(kept_outward);
+    is_thinned = true;
   }
-  Points kept;
-  Normals kept_outward;
-  kernels::subsample_by_normals({points, outward}, cell, kNormalClusterRad, kept, kept_outward,
-                                scratch);
-  points = std::move(kept);
-  outward = std::move(kept_outward);
-  return true;
+  return is_thinned;
 }
 
 /// Points with outward normals all over a closed mesh. These are its vertices where they are as
@@ -342,6 +352,16 @@ void fit_normals(const Points& points, float radius, NormalsSpan normals,
   });
 }
 
+/// The window, narrowed while its voxels hold more points than kMostSurfaces flat surfaces have.
+float narrow_window(const PreparedScene& scene) {
+  kernels::SubsampleScratch scratch;
+  float window = scene.window;
+  while (window > kNoiseWindow && mean_in_voxel(scene.points, window * scene.spacing, scratch) >
+                                      kMostSurfaces * window * window)
+    window = std::max(window / 1.25F, static_cast<float>(kNoiseWindow));
+  return window;
+}
+
 /// Prepare a surface that is visible from all around.
 ///
 /// triangles  triangles of scene.points
@@ -368,6 +388,7 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
   }
   scene.sensor.noise = kernels::median(std::span(finite));
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
+  scene.window = narrow_window(scene);
   // Windows that differ by less contain mostly the same points.
   if (std::abs(scene.window - kNoiseWindow) > 0.25F) estimate(scene.window);
   for (std::size_t i = 0; i < n; ++i) {

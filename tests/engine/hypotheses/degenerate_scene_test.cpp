@@ -98,6 +98,49 @@ TEST(DegenerateScene, OfManyLayersIsNoMoreWorkThanItsFile) {
   }
 }
 
+/// Both sides of squares that cross one another, and a spike that makes their extent four times as
+/// wide.
+Cloud crossing_squares(std::size_t count) {
+  test::Random random;
+  Cloud cloud;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Pose pose = random.motion(20);
+    const auto first = static_cast<std::uint32_t>(cloud.points.size());
+    for (const auto& [x, y] : {std::pair(-50, -50), {50, -50}, {50, 50}, {-50, 50}})
+      cloud.points.push_back(pose *
+                             Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), 0));
+    cloud.triangles.push_back(first, first + 1, first + 2);
+    cloud.triangles.push_back(first, first + 2, first + 3);
+    cloud.triangles.push_back(first, first + 2, first + 1);
+    cloud.triangles.push_back(first, first + 3, first + 2);
+  }
+  cloud.points.push_back({400, 0, 0});
+  const auto spike = static_cast<std::uint32_t>(cloud.points.size() - 1);
+  cloud.triangles.push_back(0, 1, spike);
+  cloud.triangles.push_back(1, 0, spike);
+  return cloud;
+}
+
+// Up to 15 layers were once kept, and crossing faces whatever their number: 50 million pairs of
+// neighbors of a file of 61 faces.
+TEST(DegenerateScene, HasAsManyNeighborsAsOneSurface) {
+  constexpr float kNoiseWindow = 2;
+  const auto count = [&](const Cloud& cloud) {
+    const Result<engine::PreparedScene> scene =
+        prepare_alone(cloud, {.file = "a.ply", .closed_surface = true});
+    EXPECT_TRUE(scene) << scene.error().message;
+    if (!scene) return std::size_t{0};
+    EXPECT_GE(scene->window, kNoiseWindow);
+    return num_neighbors(*scene, kNoiseWindow) + num_neighbors(*scene, scene->window);
+  };
+  for (const std::size_t layers : {1U, 2U, 4U, 6U, 8U, 12U, 15U, 16U, 20U}) {
+    EXPECT_LT(count(test::layered_tetrahedron(layers)), 20'000'000U) << layers;
+    EXPECT_LT(count(test::shifted_tetrahedra(layers)), 20'000'000U) << layers;
+  }
+  for (const std::size_t squares : {20U, 80U, 320U})
+    EXPECT_LT(count(crossing_squares(squares)), 100'000'000U) << squares;
+}
+
 TEST(DegenerateScene, OfOneLayerHasAllItsSamples) {
   const Result<engine::PreparedScene> once =
       prepare_alone(test::layered_tetrahedron(1), {.file = "a.ply", .closed_surface = true});
