@@ -42,6 +42,16 @@ std::set<std::string> series_of(int port) {
   return series;
 }
 
+/// The lines of the log among what a service writes on standard error.
+std::vector<nlohmann::json> logged_lines(const std::string& error) {
+  std::istringstream lines(error);
+  std::vector<nlohmann::json> logged;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("{")) logged.push_back(nlohmann::json::parse(line));
+  }
+  return logged;
+}
+
 TEST_F(Serve, AnswersWhatTheCommandLineAnswers) {
   const test::Outcome direct =
       test::run_trivet({"recognize", "l.h5", depth_.string(), "--camera", "camera.json", "--method",
@@ -293,11 +303,7 @@ TEST_F(Serve, LogsALineARecognition) {
     EXPECT_EQ(ask(port, "GET", "/v2/health/live").status, 200);
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
-  std::istringstream lines(outcome.error);
-  std::vector<nlohmann::json> logged;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.starts_with("{")) logged.push_back(nlohmann::json::parse(line));
-  }
+  const std::vector<nlohmann::json> logged = logged_lines(outcome.error);
   ASSERT_EQ(logged.size(), 4U) << outcome.error;
   EXPECT_EQ(logged[0]["request_id"], "seen");
   EXPECT_EQ(logged[0]["route"], "recognize");
@@ -308,6 +314,49 @@ TEST_F(Serve, LogsALineARecognition) {
   EXPECT_NE(logged[1]["request_id"], "a\"b") << "only plain ids are accepted";
   EXPECT_EQ(logged[2]["msg"], "ending");
   EXPECT_EQ(logged[3]["msg"], "every request was answered");
+}
+
+// The failed scans of a form were once counted as scenes that were answered.
+TEST_F(Serve, TellsScenesThatFailedFromThoseRecognized) {
+  const std::string scan = read_bytes(depth_),
+                    form = "Content-Type: multipart/form-data; boundary=b\r\n";
+  const auto part = [](const std::string& head, const std::string& content) {
+    return "--b\r\nContent-Disposition: form-data; name=" + head + "\r\n\r\n" + content + "\r\n";
+  };
+  const std::string options = part(
+      "options", "{\"method\": \"ppf\", \"camera\": " + read_bytes(folder_ / "camera.json") + "}");
+  const auto scene = [&](const std::string& content) {
+    return part("scene; filename=a.png", content);
+  };
+  std::string metrics;
+  const test::Outcome outcome = serve({}, [&](int port) {
+    const auto post = [&](const std::string& body) {
+      return ask(port, "POST", "/v1/recognize", options + body + "--b--\r\n", form).status;
+    };
+    EXPECT_EQ(post(scene(scan) + scene("no") + scene(scan)), 200);
+    EXPECT_EQ(post(scene("no") + scene("no")), 400);
+    EXPECT_EQ(post(scene("no")), 400);
+    EXPECT_EQ(ask(port, "POST", query_, scan).status, 200);
+    EXPECT_EQ(ask(port, "POST", "/v2/models/l/infer", "{}").status, 400);
+    EXPECT_EQ(ask(port, "POST",
+                  "/v1/points?format=png&" + parameters_.substr(parameters_.find("camera=")), "no")
+                  .status,
+              400);
+    metrics = ask(port, "GET", "/metrics").body;
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  std::vector<nlohmann::json> counts;  // scenes recognized, and failed
+  for (const nlohmann::json& line : logged_lines(outcome.error)) {
+    if (line["msg"] == "request")
+      counts.push_back({line.value("scenes", -1), line.value("failed_scenes", -1)});
+  }
+  EXPECT_EQ(nlohmann::json(counts),
+            nlohmann::json::parse("[[2, 1], [0, 2], [0, 1], [1, 0], [0, 1], [-1, -1]]"))
+      << outcome.error;
+  EXPECT_NE(metrics.find("\ntrivet_scenes_total{result=\"recognized\"} 3\n"), std::string::npos)
+      << metrics;
+  EXPECT_NE(metrics.find("\ntrivet_scenes_total{result=\"failed\"} 5\n"), std::string::npos)
+      << metrics;
 }
 
 TEST_F(Serve, IsConfiguredByAFileAndByFlags) {

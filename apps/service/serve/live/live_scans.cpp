@@ -180,6 +180,7 @@ void LiveScans::keep(Scan scan) {
               {"seconds", scan.seconds},
               {"detections", scan.num_detections},
               {"error", scan.error}});
+  metrics_.count_scenes(scan.error.empty() ? 1 : 0, scan.error.empty() ? 0 : 1);
   const std::lock_guard lock(mutex_);
   scan.number = ++num_scans_;
   scans_.push_back(std::move(scan));

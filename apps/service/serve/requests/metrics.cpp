@@ -15,6 +15,7 @@ constexpr const char* kStages[]{"decode",       "prepare",   "subsample",   "vot
 Metrics::Metrics()
     : rejections_(counters("trivet_rejected_total", "Recognitions not done.")),
       reloads_(counters("trivet_reload_total", "Libraries reloaded.")),
+      scenes_(counters("trivet_scenes_total", "Scenes of recognitions that ended, by outcome.")),
       stages_(durations("trivet_stage_duration_seconds", "Of a scene, by stage.")),
       queue_(duration_of(
           durations("trivet_queue_wait_seconds", "Of recognitions, before they begin."), {})) {
@@ -22,6 +23,7 @@ Metrics::Metrics()
                                 Refusal::closed, Refusal::no_memory})
     rejections_.Add({{"reason", std::string(reason_of(refusal))}});
   for (const char* const result : {"good", "bad"}) reloads_.Add({{"result", result}});
+  for (const char* const result : {"recognized", "failed"}) scenes_.Add({{"result", result}});
   for (const char* const stage : kStages) duration_of(stages_, {{"stage", stage}});
 }
 
@@ -31,6 +33,11 @@ void Metrics::count_rejection(const std::string& reason) {
 
 void Metrics::count_reload(bool good) {
   reloads_.Add({{"result", good ? "good" : "bad"}}).Increment();
+}
+
+void Metrics::count_scenes(std::size_t num_recognized, std::size_t num_failed) {
+  scenes_.Add({{"result", "recognized"}}).Increment(static_cast<double>(num_recognized));
+  scenes_.Add({{"result", "failed"}}).Increment(static_cast<double>(num_failed));
 }
 
 void Metrics::observe_queue(double seconds) { queue_.Observe(seconds); }

@@ -1,6 +1,7 @@
 /// Counters and histograms of the service.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -14,6 +15,7 @@ class Metrics : public RequestMetrics {
   Metrics();
   void count_rejection(const std::string& reason);
   void count_reload(bool good);
+  void count_scenes(std::size_t num_recognized, std::size_t num_failed);
   void observe_queue(double seconds);
   void observe_stage(const std::string& stage, double seconds);
 
@@ -27,7 +29,7 @@ class Metrics : public RequestMetrics {
   HttpResponse response(const Gauges& gauges) const;
 
  private:
-  Counters &rejections_, &reloads_;
+  Counters &rejections_, &reloads_, &scenes_;
   Durations& stages_;
   prometheus::Histogram& queue_;
 };

@@ -110,7 +110,7 @@ void RecognitionRoutes::recognize(const CallPtr& call, std::string_view) const {
         return json ? json_response(200, *json) : error_response(json.error());
       },
       [this, call, recognition](const ServiceAnswer& answer) {
-        responder_.note_recognition(call, answer, recognition->results);
+        responder_.note_recognition(call, answer, recognition->results, recognition->failures);
       });
 }
 

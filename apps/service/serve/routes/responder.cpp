@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -26,24 +27,26 @@ void Responder::run(const CallPtr& call, ServiceJob job,
   job.conclude = [response, write = std::move(write)](const ServiceAnswer& answer) {
     *response = write(answer);
   };
-  service_.submit(std::move(job),
-                  [this, call, response, note = std::move(note)](const ServiceOutcome& outcome) {
-                    call->is_logged = true;
-                    if (const Refusal* const refusal = std::get_if<Refusal>(&outcome)) {
-                      const bool is_late = *refusal == Refusal::gone && call->is_overdue();
-                      return refuse(call, is_late ? Refusal::too_late : *refusal);
-                    }
-                    if (const Error* const error = std::get_if<Error>(&outcome)) {
-                      call->log_fields["error"] = error->message;
-                      return reply(call, error_response(*error));
-                    }
-                    const ServiceAnswer& answer = std::get<ServiceAnswer>(outcome);
-                    call->log_fields["generation"] = answer.generation->number;
-                    call->log_fields["queue_seconds"] = answer.queue_seconds;
-                    call->log_fields["work_seconds"] = answer.work_seconds;
-                    if (note) note(answer);
-                    reply(call, std::move(*response));
-                  });
+  const std::size_t num_parts = job.num_parts;
+  service_.submit(std::move(job), [this, call, response, num_parts,
+                                   note = std::move(note)](const ServiceOutcome& outcome) {
+    call->is_logged = true;
+    if (const Refusal* const refusal = std::get_if<Refusal>(&outcome)) {
+      const bool is_late = *refusal == Refusal::gone && call->is_overdue();
+      return refuse(call, is_late ? Refusal::too_late : *refusal);
+    }
+    if (const Error* const error = std::get_if<Error>(&outcome)) {
+      call->log_fields["error"] = error->message;
+      if (note) note_scenes(call, 0, num_parts);
+      return reply(call, error_response(*error));
+    }
+    const ServiceAnswer& answer = std::get<ServiceAnswer>(outcome);
+    call->log_fields["generation"] = answer.generation->number;
+    call->log_fields["queue_seconds"] = answer.queue_seconds;
+    call->log_fields["work_seconds"] = answer.work_seconds;
+    if (note) note(answer);
+    reply(call, std::move(*response));
+  });
 }
 
 void Responder::run_small(const CallPtr& call,
@@ -76,7 +79,8 @@ std::function<void(const Result<void>&)> Responder::reply_generation(const CallP
 }
 
 void Responder::note_recognition(const CallPtr& call, const ServiceAnswer& answer,
-                                 std::span<const SceneResult> results) const {
+                                 std::span<const SceneResult> results,
+                                 std::span<const std::optional<Error>> failures) const {
   std::size_t num_detections = 0;
   for (const SceneResult& result : results) {
     num_detections += result.detections.size();
@@ -85,8 +89,17 @@ void Responder::note_recognition(const CallPtr& call, const ServiceAnswer& answe
   }
   metrics_.observe_queue(answer.queue_seconds);
   metrics_.observe_request(call->seconds());
-  call->log_fields["scenes"] = results.size();
+  const auto num_failed = static_cast<std::size_t>(
+      std::ranges::count_if(failures, [](const auto& failure) { return failure.has_value(); }));
+  note_scenes(call, results.size() - num_failed, num_failed);
   call->log_fields["detections"] = num_detections;
+}
+
+void Responder::note_scenes(const CallPtr& call, std::size_t num_recognized,
+                            std::size_t num_failed) const {
+  metrics_.count_scenes(num_recognized, num_failed);
+  call->log_fields["scenes"] = num_recognized;
+  call->log_fields["failed_scenes"] = num_failed;
 }
 
 void Responder::refuse(const CallPtr& call, Refusal refusal) const {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 
 #include "apps/service/http/call.hpp"
@@ -36,7 +37,8 @@ class Responder {
 
   /// Runs a job, then sends the response that `write` makes of its result, or the refusal or error.
   /// `write` is part of the work, which may still run after a response was sent: it does not touch
-  /// the call. `note` counts and logs the response.
+  /// the call. `note` counts and logs the response. Jobs with one are recognitions: each part is a
+  /// scene, and an error is one of them all.
   void run(const CallPtr& call, ServiceJob job,
            std::function<HttpResponse(const ServiceAnswer&)> write,
            std::function<void(const ServiceAnswer&)> note = {}) const;
@@ -51,10 +53,14 @@ class Responder {
   std::function<void(const Result<void>&)> reply_generation(const CallPtr& call) const;
 
   /// Counts an answered recognition and logs its detections.
+  ///
+  /// failures  errors of single scenes, by scene; empty: none failed
   void note_recognition(const CallPtr& call, const ServiceAnswer& answer,
-                        std::span<const SceneResult> results) const;
+                        std::span<const SceneResult> results,
+                        std::span<const std::optional<Error>> failures = {}) const;
 
  private:
+  void note_scenes(const CallPtr& call, std::size_t num_recognized, std::size_t num_failed) const;
   void refuse(const CallPtr& call, Refusal refusal) const;
   void refuse_large(const CallPtr& call, std::size_t part_bytes) const;
 
