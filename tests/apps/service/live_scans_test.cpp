@@ -59,6 +59,9 @@ TEST_F(LiveScans, AreRecognizedAsTheyCome) {
     listed = scans(port, 1, "?after=2");
     ASSERT_EQ(listed.size(), 1U);
     EXPECT_TRUE(listed[0]["error"].is_null()) << listed;
+    const std::string metrics = ask(port, "GET", "/metrics").body;
+    EXPECT_NE(metrics.find("trivet_scenes_total{result=\"recognized\"} 3\n"), std::string::npos);
+    EXPECT_NE(metrics.find("trivet_scenes_total{result=\"failed\"} 1\n"), std::string::npos);
     fs::remove(folder_ / "in/first.png");
     EXPECT_EQ(ask(port, "GET", "/v1/live/1/scan").status, 404);
     EXPECT_EQ(ask(port, "GET", "/v1/live/77/scan").status, 404);
