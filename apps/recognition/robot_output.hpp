@@ -2,23 +2,14 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "apps/recognition/output.hpp"
 #include "apps/recognition/outputs.hpp"
 #include "apps/recognition/recognize_request.hpp"
-#include "apps/results/csv_table.hpp"
-#include "apps/results/robot_poses.hpp"
+#include "apps/results/robot_table.hpp"
 
 namespace trivet::apps {
-
-/// Options for the robot.
-struct RobotOptions {
-  RobotConvention convention = RobotConvention::quaternion;
-  std::optional<FilePose> T_robot_scene{};  ///< hand-eye calibration, in the scenes' unit
-  GraspFrames grasps{};                     ///< in the library's unit
-};
 
 /// One row per grasp of each detection, or for the model's frame if it has no grasps. The last
 /// column names the frame: "robot", or "scene" without a hand-eye calibration.
@@ -38,14 +29,11 @@ class RobotOutput : public Output {
   Result<void> finish() override;
 
  private:
-  RobotOutput(std::string file, const Library& library, RobotOptions options);
-  void add_row(const RecognizedScene& scene, const Detection& detection, const std::string& grasp,
-               FilePose T_model_grasp);
+  RobotOutput(std::string file, const Library& library, RobotSetup setup);
 
   const std::string file_;
   const Library& library_;
-  const RobotOptions options_;
-  CsvTable table_;
+  RobotTable table_;
 };
 
 }  // namespace trivet::apps

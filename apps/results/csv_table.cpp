@@ -53,8 +53,8 @@ CsvTable& CsvTable::empty(std::size_t fields) {
 }
 
 Result<void> CsvTable::write(const std::filesystem::path& file) const {
-  const std::string text = text_ + '\n';
-  return publish_file(file, std::as_bytes(std::span(text)));
+  const std::string table = whole();
+  return publish_file(file, std::as_bytes(std::span(table)));
 }
 
 void CsvTable::separate() {

@@ -23,6 +23,7 @@ class CsvTable {
   CsvTable& number(const std::optional<double>& value);
   CsvTable& count(std::size_t value);
   CsvTable& empty(std::size_t fields);
+  std::string whole() const { return text_ + '\n'; }
   /// Writes the file atomically: it appears whole or not at all. Errors: cannot_create, io.
   Result<void> write(const std::filesystem::path& file) const;
 

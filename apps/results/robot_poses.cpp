@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
-
-#include "storage/files/json_file.hpp"
 
 namespace trivet {
 
@@ -30,7 +29,35 @@ namespace {
 constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 // Sine of a second angle that leaves the other two undetermined.
 constexpr double kUpright = 1 - 1e-12;
-constexpr double kShortestInMm = 10, kLongestInM = 50;  // of a plausible calibration
+// Lengths of plausible calibrations.
+constexpr double kShortestInMm = 10, kLongestInM = 50;
+// Distances of plausible grasps from the origin of their model, also as shares of its diameter.
+constexpr double kNearestInMm = 1, kNearestShare = 0.1, kFarthestInM = 1, kFarthestShare = 10;
+
+/// What is written beside the numbers of a convention.
+struct Notation {
+  std::string_view label;
+  std::span<const std::string_view> names;
+  std::string_view orientation_unit;
+  LengthUnit length_unit;
+};
+
+const Notation& notation_of(RobotConvention convention) {
+  static constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"},
+                                    kRpy[] = {"roll", "pitch", "yaw"}, kKuka[] = {"A", "B", "C"},
+                                    kFanuc[] = {"W", "P", "R"}, kUr[] = {"rx", "ry", "rz"},
+                                    kAbb[] = {"q1", "q2", "q3", "q4"};
+  constexpr LengthUnit kMeter = LengthUnit::meter, kMillimeter = LengthUnit::millimeter;
+  // In the order of the enumeration.
+  static constexpr Notation kNotations[] = {
+      {"ROS: quaternion", kQuaternion, "", kMeter},
+      {"URDF: roll, pitch, yaw", kRpy, "rad", kMeter},
+      {"KUKA: A, B, C", kKuka, "deg", kMillimeter},
+      {"Fanuc: W, P, R", kFanuc, "deg", kMillimeter},
+      {"Universal Robots: rotation vector", kUr, "rad", kMeter},
+      {"ABB: quaternion, scalar first", kAbb, "", kMillimeter}};
+  return kNotations[static_cast<std::size_t>(convention)];
+}
 
 /// Angles about the fixed axes x, y, z, in this order.
 Eigen::Vector3d fixed_angles(const Eigen::Matrix3d& r) {
@@ -50,38 +77,17 @@ Eigen::Quaterniond quaternion_of(const Eigen::Matrix3d& rotation) {
 
 }  // namespace
 
+std::string_view label_of(RobotConvention convention) { return notation_of(convention).label; }
+
 std::span<const std::string_view> orientation_names(RobotConvention convention) {
-  static constexpr std::string_view kQuaternion[] = {"qx", "qy", "qz", "qw"},
-                                    kRpy[] = {"roll", "pitch", "yaw"}, kKuka[] = {"A", "B", "C"},
-                                    kFanuc[] = {"W", "P", "R"}, kUr[] = {"rx", "ry", "rz"},
-                                    kAbb[] = {"q1", "q2", "q3", "q4"};
-  switch (convention) {
-    case RobotConvention::quaternion:
-      return kQuaternion;
-    case RobotConvention::rpy:
-      return kRpy;
-    case RobotConvention::kuka:
-      return kKuka;
-    case RobotConvention::fanuc:
-      return kFanuc;
-    case RobotConvention::ur:
-      return kUr;
-    case RobotConvention::abb:
-      return kAbb;
-  }
-  return {};
+  return notation_of(convention).names;
 }
 
-LengthUnit length_unit(RobotConvention convention) {
-  switch (convention) {
-    case RobotConvention::kuka:
-    case RobotConvention::fanuc:
-    case RobotConvention::abb:
-      return LengthUnit::millimeter;
-    default:
-      return LengthUnit::meter;
-  }
+std::string_view orientation_unit(RobotConvention convention) {
+  return notation_of(convention).orientation_unit;
 }
+
+LengthUnit length_unit(RobotConvention convention) { return notation_of(convention).length_unit; }
 
 RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention convention) {
   RobotPose out;
@@ -115,17 +121,25 @@ RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention conv
       out.orientation = {q.w(), q.x(), q.y(), q.z()};
       break;
   }
+  // A sum with zero has no negative zero.
+  for (double& x : out.position) x += 0.0;
+  for (double& x : out.orientation) x += 0.0;
   return out;
+}
+
+GraspFrames parse_grasp_frames(const JsonNode& node) {
+  GraspFrames frames;
+  for (const auto& [model, grasps] : node.object().members()) {
+    for (const auto& [name, pose] : grasps.object().members())
+      frames[model][name] = pose.file_pose();
+  }
+  return frames;
 }
 
 Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file) {
   GraspFrames frames;
-  const Result<void> done = with_json(file, [&](const JsonNode& root) {
-    for (const auto& [model, grasps] : root.object().members()) {
-      for (const auto& [name, pose] : grasps.object().members())
-        frames[model][name] = pose.file_pose();
-    }
-  });
+  const Result<void> done =
+      with_json(file, [&](const JsonNode& root) { frames = parse_grasp_frames(root); });
   if (!done) return done.error();
   return frames;
 }
@@ -138,13 +152,27 @@ Result<FilePose> read_frame(const std::filesystem::path& file) {
   return frame;
 }
 
-std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit) {
+std::optional<LengthUnit> likelier_frame_unit(const FilePose& T_robot_scene, LengthUnit unit) {
   const double length = T_robot_scene.translation().norm();
-  const bool is_short = unit == LengthUnit::millimeter && length > 0 && length < kShortestInMm;
-  const bool is_long = unit == LengthUnit::meter && length > kLongestInM;
-  if (!is_short && !is_long) return std::nullopt;
-  return fmt::format("it moves by {:.4g} {}, the unit of the scenes: is it in {}?", length,
-                     unit_name(unit), is_short ? "m" : "mm");
+  if (unit == LengthUnit::millimeter && length > 0 && length < kShortestInMm)
+    return LengthUnit::meter;
+  if (unit == LengthUnit::meter && length > kLongestInM) return LengthUnit::millimeter;
+  return std::nullopt;
+}
+
+std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit) {
+  const std::optional<LengthUnit> likelier = likelier_frame_unit(T_robot_scene, unit);
+  if (!likelier) return std::nullopt;
+  return fmt::format("it moves by {:.4g} {}, the unit of the scenes: is it in {}?",
+                     T_robot_scene.translation().norm(), unit_name(unit), unit_name(*likelier));
+}
+
+std::optional<LengthUnit> likelier_grasp_unit(double length, double diameter, LengthUnit unit) {
+  const bool is_near = length > 0 && length < std::min(kNearestInMm, kNearestShare * diameter);
+  const bool is_far = length > std::max(kFarthestInM, kFarthestShare * diameter);
+  if (unit == LengthUnit::millimeter && is_near) return LengthUnit::meter;
+  if (unit == LengthUnit::meter && is_far) return LengthUnit::millimeter;
+  return std::nullopt;
 }
 
 }  // namespace trivet::apps

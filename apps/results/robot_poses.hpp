@@ -15,6 +15,7 @@
 #include "storage/common/result.hpp"
 #include "storage/data/file_pose.hpp"
 #include "storage/data/length_unit.hpp"
+#include "storage/files/json_file.hpp"
 
 namespace trivet::apps {
 
@@ -34,9 +35,16 @@ struct RobotPose {
   std::vector<double> orientation;   ///< 3 or 4 numbers, depending on the convention
 };
 
+/// The controller and its numbers, to choose from: "KUKA: A, B, C".
+std::string_view label_of(RobotConvention convention);
 /// Names of the numbers of an orientation: "A", "B", "C".
 std::span<const std::string_view> orientation_names(RobotConvention convention);
+/// Unit of the numbers of an orientation: "deg", "rad", or empty for a quaternion.
+std::string_view orientation_unit(RobotConvention convention);
 LengthUnit length_unit(RobotConvention convention);
+
+/// Name of the frame of poses without a hand-eye calibration.
+inline constexpr std::string_view kSceneFrame = "scene";
 
 /// Converts a pose. If an angle is not determined, since the second one is ±90 degrees, the angle
 /// about x is 0.
@@ -47,7 +55,10 @@ RobotPose robot_pose(const FilePose& pose, LengthUnit unit, RobotConvention conv
 /// Grasp frames of models, T_model_grasp, keyed by model and name.
 using GraspFrames = std::map<std::string, std::map<std::string, FilePose>>;
 
-/// Reads {"MODEL": {"GRASP": four rows of four numbers}}, in the library's unit.
+/// The frames in {"MODEL": {"GRASP": four rows of four numbers}}. Throws JsonFault.
+GraspFrames parse_grasp_frames(const JsonNode& node);
+
+/// Reads a file of such frames, in the library's unit.
 /// Errors: missing_input, bad_data.
 Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file);
 
@@ -55,9 +66,18 @@ Result<GraspFrames> read_grasp_frames(const std::filesystem::path& file);
 /// Errors: missing_input, bad_data.
 Result<FilePose> read_frame(const std::filesystem::path& file);
 
-/// A sentence that warns if the length of a hand-eye calibration suggests another unit: a robot is
-/// hardly nearer to a scene than 10 mm, nor farther than 50 m.
+/// The other unit, if the length of a hand-eye calibration in this unit suggests that one: a robot
+/// is hardly nearer to a scene than 10 mm, nor farther than 50 m.
+std::optional<LengthUnit> likelier_frame_unit(const FilePose& T_robot_scene, LengthUnit unit);
+/// A sentence that warns if likelier_frame_unit() suggests another unit.
 std::optional<std::string> frame_unit_doubt(const FilePose& T_robot_scene, LengthUnit unit);
+
+/// The other unit, if the length of the longest grasp of a model in this unit suggests that one.
+/// Read in mm, such a grasp is nearer to the model's origin than a tenth of the diameter and than
+/// 1 mm; read in m, it is farther than ten diameters and than 1 m.
+///
+/// length, diameter  in the unit
+std::optional<LengthUnit> likelier_grasp_unit(double length, double diameter, LengthUnit unit);
 
 }  // namespace trivet::apps
 
