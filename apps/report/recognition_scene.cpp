@@ -237,10 +237,9 @@ std::string parts_row(const Subject& subject, const std::string& id, const std::
 
 std::string parts_table(const Subject& subject) {
   const auto most = subject.most();
-  std::string head =
-      "<td><th>model<th class=\"n\">score<th class=\"n\" title=\"of the score: the sum of what "
-      "follows\">log odds<th class=\"n\" title=\"before anything is seen\">begin at<th class=\"n\" "
-      "title=\"alternatives, look-alikes and doubtful answers beside it\">other answers";
+  std::string head = "<td><th>model<th class=\"n\">score";
+  for (const PartWords& row : {kScoreRows.sum, kScoreRows.begin, kScoreRows.others})
+    head += fmt::format("<th class=\"n\" title=\"{}\">{}", row.meaning, row.label);
   std::string rows;
   for (std::size_t k = 0; k < most.size(); ++k) {
     if (most[k] > 0)

@@ -87,7 +87,8 @@ nlohmann::ordered_json explanation_json(const SceneResult& result, const kernels
                       {"given_up", of.given_up},
                       {"pose", std::move(pose)},
                       {"rays", rays_json(result, of.rays)},
-                      {"words", explanation_words(result, of, score, options)}});
+                      {"words", explanation_words(result, of, score, options)},
+                      {"stage_words", stage_words(of)}});
   }
   return {{"point", {place.point.x(), place.point.y(), place.point.z()}},
           {"nearest_point", place.nearest_point},

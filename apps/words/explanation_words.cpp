@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <string_view>
+
 #include "apps/words/rejection_words.hpp"
 #include "apps/words/score_words.hpp"
 #include "storage/common/counted.hpp"
@@ -58,6 +61,18 @@ std::string explanation_words(const SceneResult& result, const ModelExplanation&
                        score_text(tested));
   return fmt::format("{}; tested after all, it has a score of {}: {}", why, score_text(tested),
                      rejection_words(result, *explanation.pose, score, options).text());
+}
+
+std::string stage_words(const ModelExplanation& explanation) {
+  constexpr std::array<std::string_view, kNumPoseStages> kWords{"proposed", "looked at", "refined",
+                                                                "tested by rays"};
+  std::string text;
+  for (std::size_t k = 0; k < kNumPoseStages; ++k) {
+    const std::size_t num = explanation.num_poses[k];
+    text += fmt::format("{}{} {}", k == 0 ? "" : ", ", num == 0 ? "none" : std::to_string(num),
+                        kWords[k]);
+  }
+  return text;
 }
 
 std::string explanation_text(const SceneResult& result, const kernels::ScoreModel& score,

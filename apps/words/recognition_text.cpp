@@ -1,33 +1,19 @@
 #include "apps/words/recognition_text.hpp"
 
-#include <fmt/args.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
-#include <span>
-#include <string_view>
-#include <utility>
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/words/camera_words.hpp"
 #include "apps/words/place_text.hpp"
+#include "apps/words/score_words.hpp"
 #include "apps/words/view_words.hpp"
 #include "storage/common/counted.hpp"
-#include "storage/files/json_text.hpp"
 
 namespace trivet::apps {
 
-std::span<const std::pair<std::string_view, std::string_view>> embedded_advice();
-
 namespace {
-
-/// A sentence of web/src/advice.json, where values replace {names}.
-template <class... Values>
-std::string advice(const char* name, const Values&... values) {
-  static const nlohmann::json words = parse_json(embedded_advice()[0].second);
-  return fmt::format(fmt::runtime(words.at(name).get<std::string>()), values...);
-}
 
 /// A length in the form "220 mm" or "1.2 m".
 std::string length_words(double length, LengthUnit unit) {
@@ -35,15 +21,32 @@ std::string length_words(double length, LengthUnit unit) {
   return meters < 1 ? fmt::format("{:.3g} mm", 1000 * meters) : fmt::format("{:.3g} m", meters);
 }
 
-std::string sizes_advice(const Eigen::Vector3f& size, LengthUnit unit, const Library& library) {
+Advice rejected_advice(const RejectedPose& best, float min_score) {
+  return {"rejected",
+          fmt::format("The best rejected pose is {} with score {}, and the lowest score is {}.",
+                      best.model, score_text(best.score), min_score)};
+}
+
+Advice sizes_advice(const Eigen::Vector3f& size, LengthUnit unit, const Library& library) {
   const auto [smallest, largest] =
       std::ranges::minmax_element(library.models, {}, &Model::diameter);
   const auto words = [&](float length) { return length_words(length, unit); };
-  return advice(
-      "sizes", fmt::arg("unit", unit_name(unit)),
-      fmt::arg("scan", words(size.x()) + " × " + words(size.y()) + " × " + words(size.z())),
-      fmt::arg("smallest", length_words(smallest->diameter, library.header.unit)),
-      fmt::arg("largest", length_words(largest->diameter, library.header.unit)));
+  return {"sizes",
+          fmt::format("In {}, the scan is {} × {} × {}, and the models are {} to {} across. Does "
+                      "that fit?",
+                      unit_name(unit), words(size.x()), words(size.y()), words(size.z()),
+                      length_words(smallest->diameter, library.header.unit),
+                      length_words(largest->diameter, library.header.unit))};
+}
+
+Advice view_advice(const SceneInput& scene) {
+  if (scene.camera) {
+    return {"camera",
+            "Is the camera right? With a wrong focal length every shape is distorted, with a wrong "
+            "depth scale every size is wrong."};
+  }
+  return {"viewpoint",
+          "Is the viewpoint right? What the sensor saw through speaks against a model."};
 }
 
 std::string detection_text(const Detection& detection, const Eigen::Vector3d& offset,
@@ -73,8 +76,10 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
   for (const Detection& detection : result.detections)
     text += detection_text(detection, result.offset, unit_name(unit));
   if (result.detections.empty()) {
-    for (const std::string& check : advice_on_nothing(scene, result, library, min_score))
-      text += "  check: " + check + '\n';
+    for (const Advice& check : advice_on_nothing(scene, result, library, min_score)) {
+      text += fmt::format("  check: {}{}\n", check.words,
+                          check.about == "rejected" ? " --report FOLDER shows it." : "");
+    }
   }
   if (!stats.camera_check) return text;
   if (const std::optional<std::string> finding = camera_finding(*stats.camera_check))
@@ -82,20 +87,16 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
   return text;
 }
 
-std::vector<std::string> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
-                                           const Library& library, float min_score) {
-  std::vector<std::string> checks;
-  if (!result.rejected.empty()) {
-    const RejectedPose& best = result.rejected.front();
-    checks.push_back(advice("rejected", fmt::arg("model", best.model),
-                            fmt::arg("score", fmt::format("{:.3f}", best.score)),
-                            fmt::arg("limit", min_score)) +
-                     " --report FOLDER shows it.");
-  }
-  if (result.stats.num_points > 0 && !library.models.empty())
+std::vector<Advice> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
+                                      const Library& library, float min_score) {
+  std::vector<Advice> checks;
+  if (!result.rejected.empty())
+    checks.push_back(rejected_advice(result.rejected.front(), min_score));
+  if (result.stats.num_points > 0 && !library.models.empty()) {
     checks.push_back(
         sizes_advice(result.stats.size, scene_unit(scene, library.header.unit), library));
-  checks.push_back(advice(scene.camera ? "camera" : "viewpoint"));
+  }
+  checks.push_back(view_advice(scene));
   return checks;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "engine/recognition/recognize.hpp"
@@ -17,9 +18,13 @@ namespace trivet::apps {
 std::string scene_text(const SceneInput& scene, const SceneResult& result, const Library& library,
                        float min_score);
 
-/// Advice when nothing was found: sentences that the page of the service shows, too.
-std::vector<std::string> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
-                                           const Library& library, float min_score);
+/// A sentence on what to check when nothing was found.
+struct Advice {
+  std::string_view about;  ///< "rejected", "sizes", "camera" or "viewpoint"
+  std::string words;
+};
+std::vector<Advice> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
+                                      const Library& library, float min_score);
 
 /// A line if the camera seems wrong, else nothing.
 std::string camera_text(const CameraCheck& check);

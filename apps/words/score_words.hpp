@@ -20,6 +20,15 @@ struct PartWords {
 };
 PartWords words_of(std::size_t part);
 
+/// What the log odds of a score are made of beside its parts, and their sum.
+struct ScoreRows {
+  PartWords begin, others, sum;
+};
+inline constexpr ScoreRows kScoreRows{
+    {"begins at", "what is believed before anything is seen"},
+    {"other answers", "alternatives, look-alikes or doubtful answers beside it take this off"},
+    {"log odds", "the sum; as a probability it is the score"}};
+
 /// The finding that this value of a part stands for, such as "the scene runs on beyond 40 % of its
 /// outline".
 std::string finding_of(std::size_t part, float value);

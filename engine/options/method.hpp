@@ -25,4 +25,11 @@ constexpr std::string_view name_of(Source source) noexcept {
   return kNames[static_cast<std::size_t>(source)];
 }
 
+/// What proposed the pose, in words.
+constexpr std::string_view words_of(Source source) noexcept {
+  constexpr std::array<std::string_view, 3> kWords{"an expected pose", "point pairs",
+                                                   "Tri-Spin-Images"};
+  return kWords[static_cast<std::size_t>(source)];
+}
+
 }  // namespace trivet

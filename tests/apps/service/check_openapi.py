@@ -200,6 +200,7 @@ def check_answers():
     expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
     expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")
     expect(200, "GET", "/v1/score-parts")
+    expect(200, "GET", "/v1/words")
     check_parts()
     check_live(scan)
     kept, truth = "/v1/session/scans/{scan}", "/v1/session/scans/{scan}/truth"

@@ -157,9 +157,10 @@ TEST_F(HaProxy, PassesOnRefusalsAndRequestIds) {
 
 TEST_F(HaProxy, PassesOnWhatClientsNeedAndNothingElse) {
   for (const char* const target :
-       {"/v1/models", "/v1/openapi.json", "/v1/score-parts", "/v1/examples", "/v1/live",
-        "/v1/parts", "/v1/session", "/v2", "/v2/health/live", "/v2/health/ready", "/v2/models/l",
-        "/v2/models/l/ready", "/v2/models/l/versions/1/config", "/v2/models/stats"}) {
+       {"/v1/models", "/v1/openapi.json", "/v1/score-parts", "/v1/words", "/v1/examples",
+        "/v1/live", "/v1/parts", "/v1/session", "/v2", "/v2/health/live", "/v2/health/ready",
+        "/v2/models/l", "/v2/models/l/ready", "/v2/models/l/versions/1/config",
+        "/v2/models/stats"}) {
     EXPECT_EQ(ask(port_, "GET", target).status, 200) << target;
   }
   const auto models = ask(port_, "GET", "/v1/models").json()["models"];

@@ -109,8 +109,9 @@ TEST_F(Serve, HasAllItsMetricsFromTheStart) {
     EXPECT_EQ(ask(port, "GET", "/v1/recognize").status, 405);
     EXPECT_EQ(ask(port, "GET", "/v1/models/spoon/mesh.ply").status, 404);
     for (const char* const target :
-         {"/v1/models", "/v1/examples", "/v1/examples/0", "/v1/score-parts", "/v1/openapi.json",
-          "/v2", "/v2/health/live", "/v2/health/ready", "/v2/models/l", "/v2/models/stats"})
+         {"/v1/models", "/v1/examples", "/v1/examples/0", "/v1/score-parts", "/v1/words",
+          "/v1/openapi.json", "/v2", "/v2/health/live", "/v2/health/ready", "/v2/models/l",
+          "/v2/models/stats"})
       EXPECT_EQ(ask(port, "GET", target).status, 200) << target;
     EXPECT_EQ(ask(port, "POST", "/v2/repository/index").status, 200);
     EXPECT_EQ(series_of(port), before);

@@ -8,6 +8,7 @@
 #include "apps/inputs/open_recognizer.hpp"
 #include "apps/results/detections_json.hpp"
 #include "apps/results/failed_scenes.hpp"
+#include "apps/words/recognition_text.hpp"
 #include "storage/common/wait_for_memory.hpp"
 
 namespace trivet::apps::service {
@@ -33,6 +34,25 @@ Result<SceneResult> recognize_scan(const ScanPart& scan, const RecognizeOptions&
 /// library) may disappear on retry.
 bool is_of_scan(const Error& error) {
   return error.code == ErrorCode::bad_data || error.code == ErrorCode::usage;
+}
+
+nlohmann::ordered_json advice_json(const ScanPart& scan, const SceneResult& result,
+                                   const RecognizeOptions& options, const Library& library) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  const SceneInput input = scan.scene.input(library.header.unit);
+  for (const Advice& advice : advice_on_nothing(input, result, library, options.min_score))
+    json.push_back({{"about", advice.about}, {"words", advice.words}});
+  return json;
+}
+
+/// The scene of a response: that of `trivet recognize --json`, with advice if nothing was found.
+nlohmann::ordered_json answered_scene_json(const ScanPart& scan, const SceneResult& result,
+                                           const RecognizeOptions& options,
+                                           const Recognizer& recognizer) {
+  nlohmann::ordered_json json = scene_json(scan.name, result, recognizer.score(), options);
+  if (result.detections.empty())
+    json["advice"] = advice_json(scan, result, options, recognizer.library());
+  return json;
 }
 
 }  // namespace
@@ -73,10 +93,10 @@ Result<nlohmann::ordered_json> recognition_json(const Recognition& done,
   const Recognizer& recognizer = answer.generation->recognizer;
   nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < num_scenes; ++i) {
-    const std::string& name = done.request.scans[i].name;
-    scenes.push_back(done.failures[i] ? failed_scene_json(name, *done.failures[i])
-                                      : scene_json(name, done.results[i], recognizer.score(),
-                                                   done.request.options));
+    const ScanPart& scan = done.request.scans[i];
+    scenes.push_back(done.failures[i] ? failed_scene_json(scan.name, *done.failures[i])
+                                      : answered_scene_json(scan, done.results[i],
+                                                            done.request.options, recognizer));
   }
   return nlohmann::ordered_json{
       {"request_id", request_id},

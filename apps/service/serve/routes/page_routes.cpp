@@ -6,6 +6,7 @@
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/routes/openapi.hpp"
 #include "apps/service/serve/routes/page.hpp"
+#include "apps/service/serve/routes/word_table.hpp"
 
 namespace trivet::apps::service {
 
@@ -14,12 +15,18 @@ Routes PageRoutes::routes() const {
   return {
       {"GET", "/v1/openapi.json", false, false, Effect::reads, "openapi",
        bind_front(&PageRoutes::openapi, this)},
+      {"GET", "/v1/words", false, false, Effect::reads, "words",
+       bind_front(&PageRoutes::words, this)},
       {"GET", "/", true, false, Effect::reads, "page", bind_front(&PageRoutes::page, this)},
   };
 }
 
 void PageRoutes::openapi(const CallPtr& call, std::string_view) const {
   responder_.reply(call, {200, std::string(openapi_document()), "application/json", {}});
+}
+
+void PageRoutes::words(const CallPtr& call, std::string_view) const {
+  responder_.reply(call, json_response(200, word_table()));
 }
 
 void PageRoutes::page(const CallPtr& call, std::string_view rest) const {

@@ -1,4 +1,4 @@
-/// Routes of the page of the service, and of its OpenAPI description.
+/// Routes of the page of the service, of its OpenAPI description, and of the words of its answers.
 #pragma once
 
 #include "apps/service/serve/routes/responder.hpp"
@@ -15,6 +15,7 @@ class PageRoutes {
 
  private:
   void openapi(const CallPtr& call, std::string_view rest) const;
+  void words(const CallPtr& call, std::string_view rest) const;
   void page(const CallPtr& call, std::string_view rest) const;
 
   const Responder& responder_;
