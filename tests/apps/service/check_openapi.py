@@ -170,6 +170,21 @@ def check_live(scan):
         expect(404, "GET", template, template.replace("{number}", "9"))
 
 
+def check_robot_poses(detections):
+    """All conventions that have a label, those alone, and both kinds of doubts."""
+    words = json.loads(expect(200, "GET", "/v1/words"))
+    described = components["schemas"]["RobotRequest"]["properties"]["convention"]["enum"]
+    if list(words["robot_conventions"]) != described:
+        fault(f"expected words for {described}")
+    far = [[1, 0, 0, 900], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]
+    asked = {"scene": "scan", "unit": "m", "frame": {"name": "robot", "T_robot_scene": far},
+             "grasps": {one["model"]: {"top": far} for one in detections}, "detections": detections}
+    for convention in described:
+        expect(200, "POST", "/v1/robot-poses", body=json.dumps(asked | {"convention": convention}))
+    expect(400, "POST", "/v1/robot-poses", body=json.dumps(asked | {"convention": "plc"}))
+    expect(400, "POST", "/v1/robot-poses", body="[]")
+
+
 def check_answers():
     recognize = "/v1/recognize?" + query
     found = json.loads(expect(200, "POST", "/v1/recognize", recognize, scan))
@@ -200,7 +215,7 @@ def check_answers():
     expect(200, "GET", "/v1/examples/{number}", examples[0]["url"])
     expect(404, "GET", "/v1/examples/{number}", "/v1/examples/99")
     expect(200, "GET", "/v1/score-parts")
-    expect(200, "GET", "/v1/words")
+    check_robot_poses(found["scenes"][0]["detections"])
     check_parts()
     check_live(scan)
     kept, truth = "/v1/session/scans/{scan}", "/v1/session/scans/{scan}/truth"

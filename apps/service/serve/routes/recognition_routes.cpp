@@ -11,6 +11,7 @@
 #include "apps/inputs/inputs.hpp"
 #include "apps/service/http/http_messages.hpp"
 #include "apps/service/serve/requests/recognition_job.hpp"
+#include "apps/service/serve/requests/robot_request.hpp"
 
 namespace trivet::apps::service {
 namespace {
@@ -96,6 +97,8 @@ Routes RecognitionRoutes::routes() const {
        bind_front(&RecognitionRoutes::recognize, this)},
       {"POST", "/v1/points", false, true, Effect::reads, "points",
        bind_front(&RecognitionRoutes::points, this)},
+      {"POST", "/v1/robot-poses", false, true, Effect::reads, "robot_poses",
+       bind_front(&RecognitionRoutes::robot_poses, this)},
   };
 }
 
@@ -131,6 +134,12 @@ void RecognitionRoutes::points(const CallPtr& call, std::string_view) const {
         return points_response(request->scans.front(), query, generation);
       },
       part_bytes);
+}
+
+void RecognitionRoutes::robot_poses(const CallPtr& call, std::string_view) const {
+  responder_.run_small(call, [call](const LibraryGeneration& generation) {
+    return json_result(robot_poses_json(call->request.body, generation.recognizer.library()));
+  });
 }
 
 }  // namespace trivet::apps::service

@@ -1,4 +1,4 @@
-/// Routes that recognize scans, and that show their points.
+/// Routes that recognize scans, show their points, and give detections to robots.
 #pragma once
 
 #include "apps/service/serve/requests/metrics.hpp"
@@ -17,6 +17,7 @@ class RecognitionRoutes {
  private:
   void recognize(const CallPtr& call, std::string_view rest) const;
   void points(const CallPtr& call, std::string_view rest) const;
+  void robot_poses(const CallPtr& call, std::string_view rest) const;
 
   const Responder& responder_;
   Metrics& metrics_;
