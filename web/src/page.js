@@ -1,6 +1,6 @@
 import { Matrix4, Vector3 } from "three";
 
-import { adviceOnNothing } from "./advice.js";
+import { adviceView } from "./advice_view.js";
 import { showAnswer } from "./answer.js";
 import { detectionColors } from "./colors.js";
 import { showCommands } from "./command_panel.js";
@@ -21,12 +21,13 @@ import { robotPoseView } from "./robot/pose_view.js";
 import { Robot } from "./robot/robot.js";
 import { RobotPanel } from "./robot/robot_panel.js";
 import { showScale } from "./scale_bar.js";
-import { isDepthImage, mayBeDepthImage, readFiles, scanOfExample } from "./scan.js";
+import { mayBeDepthImage, readFiles, scanOfExample } from "./scan.js";
 import * as service from "./service.js";
 import { SessionTab } from "./session/session_tab.js";
 import { Settings } from "./settings.js";
 import { timesView } from "./times.js";
 import { unitScale } from "./units.js";
+import { fetchWords } from "./vocabulary.js";
 import { Meshes } from "./view/meshes.js";
 import { SceneView } from "./view/scene_view.js";
 import { verdictWords, WhyList } from "./why_list.js";
@@ -348,18 +349,7 @@ async function showResult(result, signal) {
   byId("found-section").hidden = !detections.length;
   byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
   showLayer("rejected", isShown("rejected"));
-  if (!detections.length) {
-    byId("advice").replaceChildren(
-      ...adviceOnNothing({
-        positions: points?.positions,
-        unit: settings.unit,
-        library,
-        rejected,
-        minScore: settings.minScore,
-        isDepth: isDepthImage(scan),
-      }),
-    );
-  }
+  byId("advice").replaceChildren(...adviceView(scene.advice ?? []));
   byId("times").replaceChildren(...timesView(answer, result.seconds));
   byId("times-section").hidden = false;
   showAnswer(result, scan.name);
@@ -679,6 +669,7 @@ async function start() {
     await loadLibrary();
     partsPanel.unit = library.unit;
     scoreParts = await service.fetchScoreParts();
+    await fetchWords();
     settings = new Settings(library, await service.fetchParameters());
     settings.onSubmit(() => run());
     limits = new Limits(settings);

@@ -1,4 +1,5 @@
 import { element } from "./dom.js";
+import { wordsOf } from "./vocabulary.js";
 import { scoreWords, signed } from "./words.js";
 
 /** An element with this fraction of the width of its parent. */
@@ -10,7 +11,8 @@ function share(className, value) {
 
 /** A smaller value is rounding, not a share of other answers. */
 const kNothing = 0.005;
-const kLeast = 1e-6; // beyond it the odds of a float are rounding
+/** Beyond this probability the odds of a float are rounding. */
+const kLeast = 1e-6;
 
 function logOdds(score) {
   const inside = Math.min(1 - kLeast, Math.max(kLeast, score));
@@ -44,6 +46,7 @@ function partRow({ label, meaning, limit, added }, most) {
  *             most_evidence are two numbers: for a correlation of 0, and for one of 1
  */
 export function scoreBars({ score, evidence, parts: { correlation } }, scoreParts) {
+  const { begin, others: beside, sum } = wordsOf("score");
   const mixed = ([none, full]) => none + (full - none) * (correlation ?? 0);
   const bias = mixed(scoreParts.bias);
   const order = scoreParts.parts
@@ -56,26 +59,22 @@ export function scoreBars({ score, evidence, parts: { correlation } }, scorePart
   const most = order[0]?.limit || 1;
   const alone = order.reduce((total, { added }) => total + added, bias);
   const others = logOdds(score) - Math.max(-14, Math.min(14, alone));
-  const told = order.filter(({ limit }) => limit >= 0.05); // else "0.0 of 0.0"
+  // The others would read "0.0 of 0.0".
+  const told = order.filter(({ limit }) => limit >= 0.05);
   const list = element(
     "ul",
     { className: "score-bars" },
-    row({
-      label: "begins at",
-      meaning: "what is believed before anything is seen",
-      number: signed(bias),
-    }),
+    row({ ...begin, number: signed(bias) }),
     told.map((part) => partRow(part, most)),
     others < -kNothing &&
       row({
-        label: "other answers",
-        meaning: "alternatives, look-alikes or doubtful answers beside it take this off",
+        ...beside,
         track: element("span", { className: "track" }, share("taken", -others / most)),
         number: signed(others),
       }),
     row({
-      label: "log odds",
-      meaning: `the sum; as a probability it is the score, ${scoreWords(score)}`,
+      label: sum.label,
+      meaning: `${sum.meaning}, ${scoreWords(score)}`,
       number: element("b", {}, signed(alone + Math.min(0, others))),
     }),
   );

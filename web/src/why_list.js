@@ -2,17 +2,6 @@ import { element, moveByArrows } from "./dom.js";
 import { countRays } from "./rays.js";
 import { countWords, scoreWords } from "./words.js";
 
-const kStages = [
-  ["proposed", "proposed"],
-  ["looked_at", "looked at"],
-  ["refined", "refined"],
-  ["examined", "tested by rays"],
-];
-
-/** "12 proposed, 3 looked at, 1 refined, none tested by rays" */
-const stagesWords = (poses) =>
-  kStages.map(([stage, words]) => `${poses[stage] || "none"} ${words}`).join(", ");
-
 /** The number of rays with each verdict, with their colors in the view. */
 const legend = (rays) =>
   element(
@@ -25,7 +14,8 @@ const legend = (rays) =>
     }),
   );
 
-const kNothing = 0.05; // a score below which nothing speaks for a model
+// With a lower score, nothing speaks for a model.
+const kNothing = 0.05;
 
 /**
  * The verdict about a position in a sentence; models  as explained by the service, minScore  of the
@@ -76,7 +66,7 @@ export class WhyList {
             { className: "note" },
             explained.words,
             element("br"),
-            element("span", { className: "dim" }, stagesWords(explained.poses)),
+            element("span", { className: "dim" }, explained.stage_words),
             id && legend(explained.rays),
           ),
         ];

@@ -1,5 +1,6 @@
 /** Numbers and results in the form that an engineer reads. */
 import { quaternionOf } from "./robot/conventions.js";
+import { wordsOf } from "./vocabulary.js";
 
 const figures = (value, digits) => Number(value.toPrecision(digits)).toString().replace("-", "−");
 
@@ -42,12 +43,8 @@ export function percentWords(share) {
 
 export const signed = (value) => `${value < 0 ? "−" : "+"}${Math.abs(value).toFixed(1)}`;
 
-const kMethods = {
-  ppf: "point pairs",
-  trisi: "Tri-Spin-Images",
-  expected: "an expected pose",
-};
-export const methodWords = (method) => kMethods[method] ?? method;
+/** What proposed a pose. */
+export const methodWords = (method) => wordsOf("methods")[method] ?? method;
 
 /** poses  besides the identity; axis  whether the model is symmetric about one */
 export function symmetryWords({ poses, axis }) {
