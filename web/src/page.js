@@ -341,11 +341,10 @@ async function showResult(result, signal) {
     found: things.slice(0, detections.length),
     rejected: things.slice(detections.length),
   };
-  const about = { scan: settings.unit, library: library.unit, models: library.models };
-  const aboutPose = (pose) => robotPoseView(robot, pose, about, () => robotPanel.refresh());
+  const aboutPose = (pose) => robotPoseView(robot, pose, () => robotPanel.refresh());
   lists.found.show(kinds.found, { unit: settings.unit, scoreParts, aboutPose });
   lists.rejected.show(kinds.rejected, { unit: settings.unit, scoreParts });
-  robotPanel.show({ scene: scan.name, detections, about });
+  robotPanel.show({ scene: scan.name, unit: settings.unit, detections }, library.models);
   byId("found-section").hidden = !detections.length;
   byId("rejected-note").textContent = rejectedNote(rejected.length, told.length);
   showLayer("rejected", isShown("rejected"));
@@ -670,6 +669,7 @@ async function start() {
     partsPanel.unit = library.unit;
     scoreParts = await service.fetchScoreParts();
     await fetchWords();
+    robotPanel.start();
     settings = new Settings(library, await service.fetchParameters());
     settings.onSubmit(() => run());
     limits = new Limits(settings);

@@ -20,7 +20,8 @@ const kHints = {
 };
 
 const kToken = "trivet-token";
-let isTokenRefused = false; // by who was asked for one
+// Whether the user was asked for a token and gave none.
+let isTokenRefused = false;
 
 /** The token required by the service; null: none was needed yet. */
 function knownToken() {
@@ -111,6 +112,16 @@ export const fetchAnswer = getJson;
 
 /** { bias, parts: [{ name, label, meaning, most_evidence }] }: see scoreBars */
 export const fetchScoreParts = () => getJson("/v1/score-parts");
+
+/**
+ * The poses of detections for a robot: { poses: of each detection, [{ grasp, numbers: [{ name, value,
+ * unit }] }], table: CSV, doubts: [{ about: "frame" or "grasps", model, length, unit, likelier }] }
+ *
+ * setup  { convention, scene: its name, unit: of the scan, frame: { name, T_robot_scene } or null,
+ *        grasps: by model and name, detections }
+ */
+export const fetchRobotPoses = (setup) =>
+  getJson("/v1/robot-poses", { method: "POST", body: JSON.stringify(setup) });
 
 /** The parameters of recognition, as described by OpenAPI. */
 export async function fetchParameters() {

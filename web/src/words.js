@@ -1,5 +1,6 @@
 /** Numbers and results in the form that an engineer reads. */
-import { quaternionOf } from "./robot/conventions.js";
+import { Matrix4, Quaternion } from "three";
+
 import { wordsOf } from "./vocabulary.js";
 
 const figures = (value, digits) => Number(value.toPrecision(digits)).toString().replace("-", "−");
@@ -85,7 +86,11 @@ export function visibilityWords(pose) {
  * Returns { quaternion: [x, y, z, w], w >= 0; angle: [degrees], 0 to 180; axis: unit vector }.
  */
 export function orientationOf(rows) {
-  const quaternion = quaternionOf(rows);
+  const turn = rows.slice(0, 3).map((row) => [...row.slice(0, 3), 0]);
+  const matrix = new Matrix4().set(...turn.flat(), 0, 0, 0, 1);
+  // The matrix is only nearly orthonormal if it was stored as floats.
+  const { x: a, y: b, z: c, w: d } = new Quaternion().setFromRotationMatrix(matrix).normalize();
+  const quaternion = d < 0 ? [-a, -b, -c, -d] : [a, b, c, d];
   const [x, y, z, w] = quaternion;
   const sine = Math.hypot(x, y, z);
   return {

@@ -1,6 +1,8 @@
 import { element } from "../dom.js";
-import { kConventions } from "./conventions.js";
+import { wordsOf } from "../vocabulary.js";
 
 /** The selectable conventions, as options of a `select`. */
 export const conventionOptions = () =>
-  Object.entries(kConventions).map(([value, { label }]) => element("option", { value }, label));
+  Object.entries(wordsOf("robot_conventions")).map(([value, label]) =>
+    element("option", { value }, label),
+  );

@@ -1,20 +1,12 @@
 /** Frames given by users: the scan's pose in the robot frame, and grasps. */
 
-const kLoose = 0.01; // of an entry of a rotation, as written by calibrations
-const kShortestInMm = 10; // a robot that is nearer to its scans was told meters
-const kLongestInM = 50; // one that is farther was told millimeters
-const kNearestGrasp = { share: 0.1, mm: 1 }; // of the diameter, and in mm: what is less was told in m
-const kFarthestGrasp = { share: 10, m: 1 };
-
+// How far an entry of a rotation may be off, as calibrations write them.
+const kLoose = 0.01;
 /** The name of the scan frame in tables. */
 export const kSceneFrame = "scene";
 
 /** The rows of a frame, one per line; "" for none. */
 export const frameText = (rows) => (rows ? rows.map((row) => row.join(" ")).join("\n") : "");
-
-/** The product of two poses given by four rows. */
-export const product = (a, b) =>
-  a.map((row) => b[0].map((_, k) => row.reduce((sum, x, j) => sum + x * b[j][k], 0)));
 
 /** A pose converted to another unit. */
 export const scaled = (rows, scale) =>
@@ -45,30 +37,6 @@ function checkedFrame(numbers) {
 // null, strings and booleans of JSON are rejected, though Number() converts some of them.
 const numbersIn = (json) =>
   Array.isArray(json) ? json.flat(2).map((value) => (typeof value === "number" ? value : NaN)) : [];
-
-const lengthOf = (rows) => Math.hypot(...rows.slice(0, 3).map((row) => row[3]));
-
-/** The other unit, if a calibration read in this unit probably has that one; otherwise null. */
-export function likelierUnit(rows, unit) {
-  const length = lengthOf(rows);
-  if (unit === "mm" && length > 0 && length < kShortestInMm) return "m";
-  return unit === "m" && length > kLongestInM ? "mm" : null;
-}
-
-/**
- * The first model whose grasps, read in the library's unit, probably have the other unit: { model,
- * length: of the longest, unit: the other }, or null.
- */
-export function likelierGraspUnit(grasps, { library, models }) {
-  for (const { name, diameter } of models) {
-    const length = Math.max(0, ...Object.values(grasps[name] ?? {}).map(lengthOf));
-    const isNear = length > 0 && length < Math.min(kNearestGrasp.mm, kNearestGrasp.share * diameter);
-    const isFar = length > Math.max(kFarthestGrasp.m, kFarthestGrasp.share * diameter);
-    if (library === "mm" && isNear) return { model: name, length, unit: "m" };
-    if (library === "m" && isFar) return { model: name, length, unit: "mm" };
-  }
-  return null;
-}
 
 /** Errors: a name that files and tables cannot contain, or that names the scan frame. */
 export function checkedName(name) {

@@ -2,7 +2,8 @@ import { copiesOnClick } from "../copy.js";
 import { element, terms } from "../dom.js";
 import { conventionOptions } from "./convention_options.js";
 
-const kDigits = { mm: 2, m: 5, deg: 3, rad: 5, "": 5 }; // after the point, by unit
+// Digits after the point, by unit.
+const kDigits = { mm: 2, m: 5, deg: 3, rad: 5, "": 5 };
 const kCopiedDigits = 12;
 
 /** One number per line, with its name and unit. */
@@ -34,24 +35,28 @@ const refusalView = (refusal) => element("p", { className: "problem" }, `No pose
 /**
  * The pose of a detection for the user's robot, to read and to copy.
  *
- * about     see Robot
- * onChange  called when another convention is selected here
+ * detection  of robot.answer
+ * onChange   called when another convention is selected here
  */
-export function robotPoseView(robot, detection, about, onChange) {
+export function robotPoseView(robot, detection, onChange) {
   const select = element("select", {}, conventionOptions());
   select.value = robot.setup.convention;
-  const told = element("div", { role: "status" });
-  const show = () => {
-    const refusal = robot.refusal(about);
-    if (refusal) return told.replaceChildren(refusalView(refusal));
-    const views = robot.poses(detection, about).map((pose) => poseView(pose, robot.frameName));
-    return told.replaceChildren(...views);
+  const status = element("div", { role: "status" });
+  const show = async () => {
+    status.replaceChildren();
+    const asked = robot.poses();
+    const { refusal, posesOf } = await asked;
+    if (!robot.isCurrent(asked)) return;
+    if (refusal) return status.replaceChildren(refusalView(refusal));
+    const views = posesOf(detection).map((pose) => poseView(pose, robot.frameName));
+    status.replaceChildren(...views);
   };
   select.onchange = () => {
     robot.change({ convention: select.value });
     onChange();
     show();
   };
+  robot.retry();
   show();
-  return element("div", { className: "robot-pose" }, element("label", {}, "Pose for", select), told);
+  return element("div", { className: "robot-pose" }, element("label", {}, "Pose for", select), status);
 }

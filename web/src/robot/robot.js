@@ -1,21 +1,10 @@
+import { fetchRobotPoses } from "../service.js";
 import { keep, recall } from "../storage.js";
 import { unitScale } from "../units.js";
 import { lengthWords } from "../words.js";
-import { kConventions, robotPose } from "./conventions.js";
-import {
-  checkedName,
-  frameText,
-  kSceneFrame,
-  likelierGraspUnit,
-  likelierUnit,
-  product,
-  readFrame,
-  readGrasps,
-  scaled,
-} from "./frames.js";
+import { checkedName, frameText, kSceneFrame, readFrame, readGrasps, scaled } from "./frames.js";
 
 const kRemembered = "trivet.robot";
-const kDigits = 7; // of a table, as of `trivet recognize --robot-csv`
 const kDefaults = {
   convention: "quaternion",
   frame: "",
@@ -31,27 +20,34 @@ function remembered() {
   try {
     const { frame, grasps, ...others } = JSON.parse(recall(kRemembered));
     const kept = { ...kDefaults, ...others, grasps: readGrasps(JSON.stringify(grasps)) };
-    if (!(kept.convention in kConventions)) kept.convention = kDefaults.convention;
     return { ...kept, frame: typeof frame === "string" ? frame : frameText(frame) };
   } catch {
     return kDefaults;
   }
 }
 
-const rounded = (value) => Number(value.toPrecision(kDigits));
-const csvField = (value) => (/[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : `${value}`);
+const convertedGrasps = (grasps, scale) =>
+  Object.fromEntries(
+    Object.entries(grasps).map(([model, own]) => [
+      model,
+      Object.fromEntries(Object.entries(own).map(([grasp, rows]) => [grasp, scaled(rows, scale)])),
+    ]),
+  );
 
 /**
  * The robot for which poses are shown: the convention of its controller, its frame, its grasps.
  *
- * A refused or doubtful input is part of the setup. No pose is shown meanwhile, since it could only
- * be in a frame that the user has given up. `about` describes the subject of the poses: { scan,
- * library: units, models: [{ name, diameter }] }.
+ * The service converts the poses. A refused or doubtful input is part of the setup. No pose is shown
+ * meanwhile, since it could only be in a frame that the user has given up.
  */
 export class Robot {
   #setup = remembered();
-  #frame = null; // T_robot_scene in the scan's unit; null: none is given, or it is refused
+  // T_robot_scene in the scan's unit; null: none is given, or it is refused.
+  #frame = null;
   #fault = "";
+  #answer = null;
+  #poses = null;
+  #hasFailed = false;
 
   constructor() {
     this.#read();
@@ -76,6 +72,21 @@ export class Robot {
     return this.#fault;
   }
 
+  /** What the poses are of: { scene: its name, unit: of the scan, detections }, or null. */
+  get answer() {
+    return this.#answer;
+  }
+
+  set answer(answer) {
+    this.#answer = answer;
+    this.#poses = null;
+  }
+
+  /** Replaces a remembered convention that the service does not have. */
+  takeConventions(names) {
+    if (!names.includes(this.#setup.convention)) this.change({ convention: kDefaults.convention });
+  }
+
   /** Changes part of the setup; the browser stores it. */
   change(some) {
     const asked = { ...("frame" in some && { frameUnit: "" }), ...("grasps" in some && { graspsUnit: "" }) };
@@ -86,6 +97,7 @@ export class Robot {
 
   #read() {
     const { frame, frameName } = this.#setup;
+    this.#poses = null;
     this.#frame = null;
     this.#fault = "";
     if (!frame.trim()) return;
@@ -98,89 +110,89 @@ export class Robot {
   }
 
   /**
-   * Lengths that probably have another unit, to be confirmed: { words, unit: as read, likelier: the
-   * other, accept(), convert() }, or null.
+   * The poses of all detections by the current setup, or why there are none.
+   *
+   * Returns a promise, the same until the setup or the answer changes, of { refusal: a sentence, or
+   *   "" when there are poses; doubt: lengths that probably have another unit, to be confirmed:
+   *   { unit: as read, likelier: the other, accept(), convert() }; posesOf(detection): [{ grasp: ""
+   *   for the model's own frame, numbers: [{ name, value, unit }] }]; table: that of `trivet
+   *   recognize --robot-csv` }.
    */
-  doubt(about) {
-    const { frameUnit, grasps, graspsUnit } = this.#setup;
-    const frameIn = this.#frame && frameUnit !== about.scan && likelierUnit(this.#frame, about.scan);
-    if (frameIn) {
-      const length = Math.hypot(...this.#frame.slice(0, 3).map((row) => row[3]));
-      const convert = () =>
-        this.change({ frame: frameText(scaled(this.#frame, unitScale(frameIn, about.scan))) });
-      return {
-        words:
-          `The calibration moves by ${lengthWords(length, about.scan)}, if it is in ${about.scan} like the ` +
-          `scan: its lengths look like ${frameIn}.`,
-        unit: about.scan,
-        likelier: frameIn,
-        accept: () => this.change({ frameUnit: about.scan }),
-        convert,
-      };
+  poses() {
+    this.#poses ??= this.#fetchPoses();
+    return this.#poses;
+  }
+
+  /** Whether these poses(), asked for earlier, are still those of the setup and the answer. */
+  isCurrent(poses) {
+    return poses === this.#poses;
+  }
+
+  /** Lets poses() ask again if the service did not answer. */
+  retry() {
+    if (this.#hasFailed) this.#poses = null;
+    this.#hasFailed = false;
+  }
+
+  async #fetchPoses() {
+    const fault = this.#fault || this.#setup.graspsFault;
+    if (fault) return { refusal: fault };
+    const { detections } = this.#answer;
+    try {
+      const { poses, table, doubts } = await fetchRobotPoses(this.#request());
+      const doubt = doubts.map((one) => this.#doubtOf(one)).find(Boolean);
+      if (doubt) return { refusal: doubt.words, doubt };
+      return { refusal: "", table, posesOf: (detection) => poses[detections.indexOf(detection)] };
+    } catch (error) {
+      this.#hasFailed = true;
+      return { refusal: error.message };
     }
-    const found = graspsUnit !== about.library && likelierGraspUnit(grasps, about);
-    if (!found) return null;
-    const { model, length, unit } = found;
-    const scale = unitScale(unit, about.library);
+  }
+
+  #request() {
+    const { convention, frameName, grasps } = this.#setup;
+    const { scene, unit, detections } = this.#answer;
+    const told = ({ model, score, pose_share, ambiguous, T_scene_model }) => ({
+      model,
+      score,
+      pose_share,
+      ambiguous,
+      T_scene_model,
+    });
     return {
-      words:
-        `Grasps of ${model} are up to ${lengthWords(length, about.library)} from its origin, if they are ` +
-        `in ${about.library} like the library: their lengths look like ${unit}.`,
-      unit: about.library,
-      likelier: unit,
-      accept: () => this.change({ graspsUnit: about.library }),
-      convert: () => {
-        const converted = ([name, own]) => [
-          name,
-          Object.fromEntries(Object.entries(own).map(([grasp, rows]) => [grasp, scaled(rows, scale)])),
-        ];
-        this.change({ grasps: Object.fromEntries(Object.entries(grasps).map(converted)) });
-      },
+      convention,
+      scene,
+      unit,
+      frame: this.#frame && { name: frameName, T_robot_scene: this.#frame },
+      grasps,
+      detections: detections.map(told),
     };
   }
 
-  /** Why no pose is shown, in a sentence; "" when poses are. */
-  refusal(about) {
-    return this.#fault || this.#setup.graspsFault || (this.doubt(about)?.words ?? "");
-  }
-
-  /**
-   * The robot poses of a detection: [{ grasp, numbers: [{ name, value, unit }] }], one for each
-   * grasp of its model, or one without a name for the model frame.
-   *
-   * Errors: the setup is refused, or needs confirmation.
-   */
-  poses({ model, T_scene_model }, about) {
-    const refusal = this.refusal(about);
-    if (refusal) throw new Error(refusal);
-    const { convention, grasps } = this.#setup;
-    const posed = this.#frame ? product(this.#frame, T_scene_model) : T_scene_model;
-    const scale = unitScale(about.library, about.scan);
-    const own = Object.entries(grasps[model] ?? {});
-    if (!own.length) return [{ grasp: "", numbers: robotPose(posed, about.scan, convention) }];
-    return own.map(([grasp, rows]) => ({
-      grasp,
-      numbers: robotPose(product(posed, scaled(rows, scale)), about.scan, convention),
-    }));
-  }
-
-  /** The table of `trivet recognize --robot-csv`. Errors: those of poses(). */
-  table(scene, detections, about) {
-    const { names, length } = kConventions[this.#setup.convention];
-    const places = [..."xyz"].map((axis) => `${axis} [${length}]`);
-    const head = ["scene", "model", "grasp", "score", "pose_score", "ambiguous", ...places, ...names, "frame"];
-    const rows = detections.flatMap((detection) =>
-      this.poses(detection, about).map(({ grasp, numbers }) => [
-        scene,
-        detection.model,
-        grasp,
-        rounded(detection.score),
-        rounded(detection.score * detection.pose_share),
-        detection.ambiguous ? 1 : 0,
-        ...numbers.map(({ value }) => rounded(value)),
-        this.frameName,
-      ]),
-    );
-    return [head, ...rows].map((row) => row.map(csvField).join(",")).join("\n") + "\n";
+  /** A doubt of the service in words, with its remedies; null: the user has confirmed the unit. */
+  #doubtOf({ about, model, length, unit, likelier }) {
+    const scale = unitScale(likelier, unit);
+    if (about === "frame") {
+      if (this.#setup.frameUnit === unit) return null;
+      return {
+        words:
+          `The calibration moves by ${lengthWords(length, unit)}, if it is in ${unit} like the ` +
+          `scan: its lengths look like ${likelier}.`,
+        unit,
+        likelier,
+        accept: () => this.change({ frameUnit: unit }),
+        convert: () => this.change({ frame: frameText(scaled(this.#frame, scale)) }),
+      };
+    }
+    if (this.#setup.graspsUnit === unit) return null;
+    return {
+      words:
+        `Grasps of ${model} are up to ${lengthWords(length, unit)} from its origin, if they are ` +
+        `in ${unit} like the library: their lengths look like ${likelier}.`,
+      unit,
+      likelier,
+      accept: () => this.change({ graspsUnit: unit }),
+      convert: () => this.change({ grasps: convertedGrasps(this.#setup.grasps, scale) }),
+    };
   }
 }

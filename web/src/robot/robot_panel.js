@@ -12,14 +12,13 @@ export class RobotPanel {
   #robot;
   #onChange;
   #form = byId("robot");
-  #answer = null; // { scene: its name, detections, about: see Robot }
+  #models = null;
 
   /** onChange  called when the form of the poses changes */
   constructor(robot, onChange) {
     this.#robot = robot;
     this.#onChange = onChange;
     const { convention, frame, "frame-name": frameName } = this.#form.elements;
-    convention.append(...conventionOptions());
     convention.onchange = () => this.#change({ convention: convention.value });
     frame.value = robot.setup.frame;
     frame.onchange = () => this.#takeFrame();
@@ -28,46 +27,60 @@ export class RobotPanel {
     byId("choose-frame").onclick = () => byId("frame-file").click();
     byId("frame-file").onchange = async ({ target }) => {
       frame.value = await target.files[0].text();
-      target.value = ""; // so that the same file can be chosen again
+      // The same file can then be chosen again.
+      target.value = "";
       this.#takeFrame();
     };
     byId("choose-grasps").onclick = () => byId("grasps-file").click();
     byId("grasps-file").onchange = ({ target }) => this.#takeGrasps(target);
     byId("forget-grasps").onclick = () => this.#change({ grasps: {}, graspsFault: "" });
     this.#form.onsubmit = (event) => event.preventDefault();
+  }
+
+  /** Offers the conventions, once their words are fetched. */
+  start() {
+    const options = conventionOptions();
+    this.#robot.takeConventions(options.map(({ value }) => value));
+    this.#form.elements.convention.append(...options);
     this.refresh();
   }
 
   /**
-   * Offers the table of an answer, { scene: its name, detections, about: see Robot }; null: none.
+   * Offers the table of an answer: see Robot.answer; null: none.
+   *
+   * models  of the library
    */
-  show(answer) {
-    this.#answer = answer;
+  show(answer, models = null) {
+    this.#robot.answer = answer;
+    this.#models = models;
     byId("robot-box").hidden = !answer?.detections.length;
     this.refresh();
   }
 
-  /** Shows the current setup. */
-  refresh() {
+  /** Shows the current setup, and offers the table once the service has made it. */
+  async refresh() {
     const { convention, grasps, graspsFault } = this.#robot.setup;
     const { frameFault } = this.#robot;
     this.#form.elements.convention.value = convention;
     this.#form.elements.frame.setAttribute("aria-invalid", frameFault !== "");
     byId("frame-note").textContent = frameFault;
     this.#tellGrasps(grasps, graspsFault);
-    if (!this.#answer?.detections.length) return;
-    const { scene, detections, about } = this.#answer;
-    const refusal = this.#robot.refusal(about);
+    if (!this.#robot.answer?.detections.length) return;
+    byId("copy-robot").disabled = true;
+    withholdsText(byId("download-robot"));
+    this.#robot.retry();
+    const asked = this.#robot.poses();
+    const { refusal, doubt, table } = await asked;
+    if (!this.#robot.isCurrent(asked)) return;
     byId("robot-now").textContent = refusal ? "no poses: see why" : `in frame ${this.#robot.frameName}`;
-    this.#ask(frameFault || graspsFault ? null : this.#robot.doubt(about));
+    this.#ask(doubt);
     byId("robot-refusal").textContent = frameFault || graspsFault ? kNoTable : refusal;
     byId("copy-robot").textContent = "Copy table";
     byId("copy-robot").disabled = refusal !== "";
-    if (refusal) return withholdsText(byId("download-robot"));
-    const table = this.#robot.table(scene, detections, about);
+    if (refusal) return;
     copiesOnClick(byId("copy-robot"), table);
     const end = `${this.#robot.frameName}.${convention}.csv`;
-    return downloadsText(byId("download-robot"), table, "text/csv", scene, end);
+    downloadsText(byId("download-robot"), table, "text/csv", this.#robot.answer.scene, end);
   }
 
   #change(some) {
@@ -90,7 +103,8 @@ export class RobotPanel {
   async #takeGrasps(chooser) {
     const [file] = chooser.files;
     const text = await file.text();
-    chooser.value = ""; // so that the same file can be chosen again
+    // The same file can then be chosen again.
+    chooser.value = "";
     try {
       this.#change({ grasps: readGrasps(text), graspsFault: "" });
     } catch (error) {
@@ -98,7 +112,7 @@ export class RobotPanel {
     }
   }
 
-  /** Asks about lengths that probably have another unit; null: there are none. */
+  /** Asks about lengths that probably have another unit, if there are any. */
   #ask(doubt) {
     const settle = (act) => () => {
       act();
@@ -120,7 +134,7 @@ export class RobotPanel {
   #tellGrasps(grasps, fault) {
     const models = Object.keys(grasps);
     const count = Object.values(grasps).reduce((sum, own) => sum + Object.keys(own).length, 0);
-    const known = this.#answer?.about.models.map(({ name }) => name);
+    const known = this.#models?.map(({ name }) => name);
     const unknown = models.filter((model) => !known?.includes(model));
     byId("forget-grasps").hidden = !count && !fault;
     byId("grasps-note").className = fault ? "problem" : "";
