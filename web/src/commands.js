@@ -62,7 +62,8 @@ export function trivetCommand(scan, parameters, library, described) {
   const lines = [`trivet recognize ${quoted(fileName(library))} ${quoted(fileName(scan.name, scan.format))}`];
   let before = "";
   for (const [name, value] of elsewhere(parameters)) {
-    if (kImageParameters.includes(name)) continue; // of the camera
+    // These are among the numbers of the camera.
+    if (kImageParameters.includes(name)) continue;
     if (name === "camera") {
       const file = "scan_camera.json";
       before = `echo ${quoted(JSON.stringify(cameraOf(parameters)))} > ${file}\n`;
@@ -87,7 +88,8 @@ const kPython = {
 export function pythonCall(scan, parameters, library, described) {
   const words = [];
   for (const [name, value] of elsewhere(parameters)) {
-    if (kImageParameters.includes(name)) continue; // of the camera
+    // These are among the numbers of the camera.
+    if (kImageParameters.includes(name)) continue;
     if (name === "camera") {
       const { depth_scale, ...camera } = cameraOf(parameters);
       const isPinhole = !kImageParameters.some((image) => parameters.has(image));

@@ -1,6 +1,7 @@
 /** Matches the detections of two answers by the distance and rule of `trivet compare`. */
 
-const kMaxTranslation = 0.1; // of the diameter
+// The largest translation between alike poses, as a share of the diameter.
+const kMaxTranslation = 0.1;
 const kMaxRotationDeg = 12;
 
 const kIdentity = [
@@ -25,7 +26,8 @@ const angleBetween = (a, b) =>
 
 /** The angle of the rotation from one pose to the other [radians]. */
 function turnBetween(a, b) {
-  let squares = 0; // of the difference of both matrices: 8 sin² of half the angle
+  // The squared difference of both matrices is 8 sin² of half the angle.
+  let squares = 0;
   for (let i = 0; i < 3; ++i) for (let j = 0; j < 3; ++j) squares += (a[i][j] - b[i][j]) ** 2;
   return 2 * Math.asin(Math.min(1, Math.sqrt(squares / 8)));
 }

@@ -5,9 +5,12 @@ import { byId } from "./dom.js";
 import { RegionGuide } from "./view/guides/region_guide.js";
 import { TiltGuide } from "./view/guides/tilt_guide.js";
 
-const kDigits = { m: 4, mm: 1 }; // of a length, as the page tells it
-const kUsualTilt = 30; // [degrees], of a limit that is new
-const kArrow = 0.4; // of the scan's radius
+// Digits of a length after the point, by unit.
+const kDigits = { m: 4, mm: 1 };
+// The angle of a new limit [degrees].
+const kUsualTilt = 30;
+// The length of the arrow, in radii of the scan.
+const kArrow = 0.4;
 
 const numbers = (text) => text.split(",").map(Number);
 const rounded = (value, digits) => String(Number(value.toFixed(digits)));

@@ -4,7 +4,8 @@ import { byId } from "./dom.js";
 import { isExample } from "./scan.js";
 
 const kExample = "example";
-const kPauseSeconds = 0.3; // browsers refuse many changes of the address in a short time
+// Browsers refuse many changes of the address in a short time.
+const kPauseSeconds = 0.3;
 
 let writing = 0;
 

@@ -13,9 +13,12 @@ const kMost = 100;
 export class LiveStrip {
   #list = byId("live-scans");
   #follow = byId("follow");
-  #epoch = ""; // of the numbers
-  #last = 0; // number that was seen
-  #shown = null; // the one in the view
+  // The numbers of scans belong to this epoch of the service.
+  #epoch = "";
+  // The largest number so far.
+  #last = 0;
+  // The scan in the view.
+  #shown = null;
 
   /**
    * onOpen(scan, answer)     shows a scan with its kept answer

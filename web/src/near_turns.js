@@ -2,7 +2,8 @@
 import { element } from "./dom.js";
 import { axisWords, lengthWords, nearSymmetryWords, orientationOf, turnWords } from "./words.js";
 
-const kDigits = 7; // of the numbers of a declaration, which were floats
+// Digits of the numbers of a declaration, which were floats.
+const kDigits = 7;
 
 /** "180.0° about 0.00, 0.00, 1.00", or any rotation about the axis. */
 export function nearTurnWords({ motions, axis }) {

@@ -7,7 +7,8 @@ export function listenForFiles(open) {
   chooser.accept = kAccepted;
   chooser.addEventListener("change", () => {
     if (chooser.files.length) open(chooser.files);
-    chooser.value = ""; // so that the same file can be chosen again
+    // The same file can then be chosen again.
+    chooser.value = "";
   });
   for (const id of ["open", "choose"]) byId(id).addEventListener("click", () => chooser.click());
 
@@ -20,7 +21,8 @@ export function listenForFiles(open) {
     mark(true);
   });
   addEventListener("dragleave", (event) => {
-    if (!event.relatedTarget) mark(false); // out of the window
+    // Without a related target the pointer has left the window.
+    if (!event.relatedTarget) mark(false);
   });
   addEventListener("drop", (event) => {
     if (!holdsFiles(event)) return;

@@ -5,7 +5,8 @@ import * as service from "./service.js";
 import { countWords, lengthWords, numbered, secondsWords, symmetryWords } from "./words.js";
 
 const kPollMs = 700;
-const kMostName = 128; // bytes of UTF-8
+// The longest name in bytes of UTF-8.
+const kMostName = 128;
 const kAboutNear =
   "Where a scan does not show what tells these poses apart, a detection is ambiguous and its score " +
   "lower. Declare a turn only if it does not matter to you by how much it is off.";
@@ -54,9 +55,12 @@ export class PartsPanel {
   #poll = 0;
   #told = "";
   #parts = [];
-  #models = []; // of the library
-  #limit = 0; // of a file [byte]
-  #before = new Map(); // what was declared before each declaration, by part
+  // The models of the library.
+  #models = [];
+  // The largest file [byte].
+  #limit = 0;
+  // By part, the declaration before the current one.
+  #before = new Map();
 
   /** Whether the service trains parts. */
   allowed = false;
@@ -136,7 +140,8 @@ export class PartsPanel {
   #show(parts) {
     this.#parts = parts;
     const told = JSON.stringify([parts, this.#models.map(({ name }) => name)]);
-    if (told === this.#told) return; // what has the focus keeps it
+    // An unchanged list stays, and so does the focus in it.
+    if (told === this.#told) return;
     this.#told = told;
     const focused = document.activeElement?.id;
     this.#list.replaceChildren(...parts.map((part) => this.#row(part)));

@@ -17,15 +17,18 @@ export class Pulse {
 
   async #look() {
     clearTimeout(this.#next);
-    if (document.hidden) return; // nobody looks; it is asked again at once when somebody does
+    // A hidden page asks again as soon as it is visible.
+    if (document.hidden) return;
     let answers = true;
     try {
       await askWhetherAlive();
     } catch (error) {
-      answers = error.status > 0; // a proxy may refuse to be asked
+      // A refusal is an answer, too: a proxy may not allow the question.
+      answers = error.status > 0;
     }
     this.#tell(answers);
-    clearTimeout(this.#next); // of a question that was asked meanwhile
+    // Another question may have been asked meanwhile.
+    clearTimeout(this.#next);
     this.#next = setTimeout(() => this.#look(), kRestMs);
   }
 

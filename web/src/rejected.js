@@ -1,4 +1,5 @@
-const kHopeful = 0.01; // poses that score less are not told
+// Poses with lower scores are not listed.
+const kHopeful = 0.01;
 
 /**
  * The rejected poses worth listing, best first: those with a chance that are not just a worse

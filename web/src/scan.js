@@ -91,7 +91,8 @@ export async function readFiles(files) {
   return { scans: scans.map(scanOf), camera };
 }
 
-const kExamples = "/v1/examples/"; // where scans are that every visitor of the service has
+// Every visitor of the service has the scans at these addresses.
+const kExamples = "/v1/examples/";
 
 /** Whether the scan is an example, available to every visitor of the service. */
 export const isExample = (scan) => scan?.url?.startsWith(kExamples) ?? false;

@@ -12,13 +12,15 @@ import {
 import { keep, recall } from "./storage.js";
 import { numbered } from "./words.js";
 
-const kRemembered = "trivet.settings"; // of files; examples bring their own
+// Settings of files are remembered; examples bring their own.
+const kRemembered = "trivet.settings";
 const kRejectedPerModel = 3;
 
 const form = byId("settings");
 const field = (name) => form.elements[name];
 const kOfScan = ["unit", "viewpoint", ...kCameraKeys];
-const kOwn = { method: ChoiceField, "min-score": NumberField }; // beside the options, always sent
+// The fields beside the options, whose values are always sent.
+const kOwn = { method: ChoiceField, "min-score": NumberField };
 // Parameters set by other fields of the form, or by the page itself.
 const kReading = ["camera", ...kImageParameters, "viewpoint", "unit"];
 const kElsewhere = ["format", ...kReading, "rejected", ...Object.keys(kOwn)];
@@ -29,7 +31,8 @@ function remembered() {
   try {
     return JSON.parse(recall(kRemembered)) ?? {};
   } catch {
-    return {}; // not ours
+    // The text is not from this page.
+    return {};
   }
 }
 
@@ -45,8 +48,10 @@ const pick = (query) =>
 
 /** The settings of recognition and of reading the scan: the form and everything derived from it. */
 export class Settings {
-  #query = null; // of an example
-  #image = {}; // what is told of the camera's images, by parameter
+  // The query of an example.
+  #query = null;
+  // The properties of the camera's images, by parameter.
+  #image = {};
 
   #onChange = () => {};
 
@@ -263,7 +268,8 @@ export class Settings {
     fault.field.setAttribute("aria-invalid", "true");
     byId("settings-box").open = true;
     this.options.open(fault.field);
-    fault.field.focus({ preventScroll: true }); // what is wrong is said above
+    // The fault is described above the field, which is not to scroll away.
+    fault.field.focus({ preventScroll: true });
     byId("headline").scrollIntoView({ block: "nearest" });
   }
 

@@ -1,7 +1,8 @@
 import { element } from "./dom.js";
 import { secondsWords } from "./words.js";
 
-const kShortest = 5e-5; // [s]: what would read as 0.0 ms goes untold
+// Shorter times would read as 0.0 ms and are left out [s].
+const kShortest = 5e-5;
 
 /** The stages of recognition in words, in their order; the colors are those of the style sheet. */
 const kGroups = [

@@ -2,7 +2,8 @@
 import { findDistances, Surface } from "./signed_distance.js";
 import { figuresOf } from "./statistics.js";
 
-const kChunk = 20000; // points from one word about the progress to the next
+// The number of points between two reports of progress.
+const kChunk = 20000;
 
 self.onmessage = ({ data: { positions, meshes, targets, band } }) => {
   const surfaces = meshes.map(({ vertices, indices }) => new Surface(vertices, indices));

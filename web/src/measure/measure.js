@@ -9,8 +9,10 @@ import { Ruler } from "./ruler.js";
 import { heightsAlong, limitsOf, rangesFrom } from "./scan_values.js";
 import { Section } from "./section.js";
 
-const kAll = "all"; // models at once
-const kTolerance = 0.01; // of a model's diameter at most, if the user sets none
+// The choice of all models at once.
+const kAll = "all";
+// The largest tolerance if the user sets none, in diameters of the model.
+const kTolerance = 0.01;
 const kBandInTolerances = 5;
 const kPerMillimeter = { m: 0.001, mm: 1 };
 const kAxes = ["+x", "-x", "+y", "-y", "+z", "-z"];
@@ -22,11 +24,14 @@ const field = (name) => form.elements[name];
 export class Measure {
   #view;
   #section;
-  #points = null; // { positions, offset, viewpoint, intensity }
+  // { positions, offset, viewpoint, intensity }
+  #points = null;
   #unit = "m";
-  #things = []; // that were found
+  // The detections as drawn.
+  #things = [];
   #running = new AbortController();
-  #measured = null; // what was measured, and how
+  // The last measurement and its settings.
+  #measured = null;
 
   ruler;
 

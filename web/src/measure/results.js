@@ -5,9 +5,11 @@ import { countWithin, histogramOf } from "./statistics.js";
 
 const kSvg = "http://www.w3.org/2000/svg";
 const kBins = 50;
-const kWidth = 300; // of the drawing, which is as wide as there is room
+// The drawing has this width in its own units, and is scaled to the available width.
+const kWidth = 300;
 const kHeight = 84;
-const kFoot = 18; // of it below the bars
+// The height of the part below the bars.
+const kFoot = 18;
 
 function svg(tag, attributes, ...children) {
   const made = document.createElementNS(kSvg, tag);

@@ -2,7 +2,8 @@
 import { quantile } from "./statistics.js";
 
 const kSamples = 20000;
-const kStray = 0.01; // share of the points at either end that must not make the rest one color
+// This share of the points at either end has no influence on the range of colors.
+const kStray = 0.01;
 
 /** Distances from a position, in the frame of the positions. */
 export function rangesFrom(positions, [x, y, z]) {

@@ -1,6 +1,7 @@
 import { element, moveByArrows } from "../dom.js";
 
-const kFew = 8; // names are found without a search
+// The search field is shown for more names than these.
+const kFew = 8;
 
 /** Names with check boxes; none checked: the default. */
 export class NameList {

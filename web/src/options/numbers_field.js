@@ -15,7 +15,8 @@ const kRows = {
   ],
   explain: [["at", kAxes]],
 };
-const kLengths = ["region", "explain"]; // in the scan's unit
+// These are in the unit of the scan.
+const kLengths = ["region", "explain"];
 const numbered = (count) => [["", Array.from({ length: count }, (_, k) => String(k + 1))]];
 
 /** A fixed number of numbers, or none. */

@@ -32,7 +32,8 @@ export class Option {
     edits.setAttribute("aria-describedby", help.id);
     this.#reset.onclick = () => {
       this.text = "";
-      this.input.focus(); // what had the focus is gone
+      // The button, which had the focus, is hidden now.
+      this.input.focus();
       onReset();
     };
     const isList = edits.matches("fieldset");

@@ -2,7 +2,8 @@ import { byId, element } from "../dom.js";
 import { numbered } from "../words.js";
 import { Option } from "./option.js";
 
-const kOpen = ["Answers", "What is searched"]; // the others are for research
+// The other groups are for research.
+const kOpen = ["Answers", "What is searched"];
 
 /** The options of recognition without a dedicated field in the form, below headings. */
 export class Options {

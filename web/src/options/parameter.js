@@ -70,8 +70,9 @@ export function faultOf(parameter, text, names = []) {
 export function helpOf(parameter) {
   const range = rangeWords(parameter.schema);
   const unit = parameter["x-unit"];
+  // The label has the unit.
   const help = parameter.description
-    .replace(unit ? ` [${unit}]` : "", "") // the label has it
+    .replace(unit ? ` [${unit}]` : "", "")
     .replace(/Absent: (?=[^:]*$)/, "Default: ");
   return range ? `${help} ${range[0].toUpperCase()}${range.slice(1)}.` : help;
 }

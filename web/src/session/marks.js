@@ -3,7 +3,8 @@ import { numbered } from "../words.js";
 
 /** Marks of detections as right or wrong, by buttons in the rows or by keys. */
 export class Marks {
-  #rows = new Map(); // by the id of what is found
+  // The rows by the ids of the detections.
+  #rows = new Map();
   #shown = null;
 
   /** onMark(marks) is called with { index: true, false or null }. */

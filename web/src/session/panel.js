@@ -50,7 +50,8 @@ function truthWords(truth) {
 export class SessionPanel {
   #session;
   #list = byId("session-scans");
-  #rows = new Map(); // by the scan's name: { item, button, facts, found }
+  // By the name of a scan: { item, button, facts, found }.
+  #rows = new Map();
   #wanted = new IntersectionObserver((entries) => this.#draw(entries));
   #drawing = Promise.resolve();
   #running = null;

@@ -27,7 +27,8 @@ const hasSame = (some, others) => {
 /** The scans kept by the service, the detections of runs in them, and which of these are right. */
 export class Session {
   #index;
-  #answers = new Map(); // { answer, version }, by run and scan
+  // { answer, version }, by run and scan.
+  #answers = new Map();
 
   constructor(index) {
     this.#index = index;
@@ -164,7 +165,8 @@ export class Session {
    */
   async mark(run, scan, marks, modelOf) {
     const isStaleAnswer = await this.#markAnswer(run, scan, marks);
-    if (isStaleAnswer) await this.refresh(); // the truth may be another one, too
+    // The truth may have changed as well.
+    if (isStaleAnswer) await this.refresh();
     const isStaleTruth = await this.#tellTruth(run, scan, marks, modelOf);
     await this.refresh();
     return isStaleAnswer || isStaleTruth;

@@ -12,7 +12,8 @@ const kMerged = " It was marked elsewhere meanwhile: both are kept, and yours wh
 export class SessionTab {
   #session = null;
   #panel = null;
-  #kept = null; // { scan, run, answer, detections } of the kept answer that is shown
+  // The kept answer that is shown: { scan, run, answer, detections }.
+  #kept = null;
   #marks = new Marks((marks) => this.#mark(marks));
   #marking = Promise.resolve();
 

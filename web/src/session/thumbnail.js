@@ -3,16 +3,26 @@ import { Vector3 } from "three";
 
 import { distanceToSee, frameOf } from "../view/frame.js";
 
-const kUp = 0.36; // tangent of half the field of view
-const kStray = 0.02; // share of the points that may lie outside
-const kSplat = 2; // pixels that a point covers, so that a surface is closed
-const kLight = new Vector3(-0.45, 0.6, 0.65).normalize(); // to the right, up and the eye
-const kStandsOut = Math.cos((25 * Math.PI) / 180); // from what most faces, a table or a wall
-const kBorder = 3; // pixels of a scan that do not tell
-const kMinStanding = 20; // pixels, else the whole scan is shown
-const kOutside = 0.1; // share of what stands out beyond each side of its middle
-const kRoom = 2.2; // around that middle
-const kMaxZoom = 4; // beyond, too few points are left
+// The tangent of half the field of view.
+const kUp = 0.36;
+// The share of the points that may lie outside the picture.
+const kStray = 0.02;
+// The side of the square that a point covers, so that a surface is closed [pixel].
+const kSplat = 2;
+// The direction to the light: to the right, up, and to the eye.
+const kLight = new Vector3(-0.45, 0.6, 0.65).normalize();
+// A surface stands out if it faces this far away from most others, which are a table or a wall.
+const kStandsOut = Math.cos((25 * Math.PI) / 180);
+// The border of a scan always stands out and is ignored [pixel].
+const kBorder = 3;
+// With fewer pixels that stand out, the whole scan is shown.
+const kMinStanding = 20;
+// The share of what stands out that lies beyond each side of its middle.
+const kOutside = 0.1;
+// The size of the window, in sizes of that middle.
+const kRoom = 2.2;
+// Beyond this zoom, too few points are left.
+const kMaxZoom = 4;
 
 const finite = (value) => (Number.isFinite(value) ? value : 0);
 const normalOf = (x, y) => new Vector3(finite(x), finite(y), 1).normalize();

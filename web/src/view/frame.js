@@ -1,7 +1,8 @@
 import { Matrix4, Vector3 } from "three";
 
 const kSamples = 20000;
-const kStray = 0.02; // share of the points at either end that must not make the rest small
+// This share of the points at either end has no influence on the size of the rest.
+const kStray = 0.02;
 const kMargin = 1.03;
 
 function sampleOf(positions) {
@@ -43,7 +44,8 @@ export function frameOf(positions, viewpoint) {
   const radius = quantile(distances, 1 - kStray) || 1;
 
   const toSensor = new Vector3(...(viewpoint ?? center)).sub(center);
-  const isSeen = toSensor.length() > radius; // else the sensor is within: there was none
+  // A viewpoint inside the scan is that of no sensor.
+  const isSeen = toSensor.length() > radius;
   const along = (axis) => Math.abs(toSensor[axis]);
   const isCamera = isSeen && along("z") >= Math.max(along("x"), along("y"));
   const up = isCamera ? new Vector3(0, Math.sign(toSensor.z), 0) : new Vector3(0, 0, 1);

@@ -1,6 +1,7 @@
 import { Matrix4, Ray, Vector3, Vector4 } from "three";
 
-const kNear = 1e-3; // of the distance to the scan: what is nearer to the eye is not drawn
+// What is nearer to the eye is not drawn, in distances of the near plane of the camera.
+const kNear = 1e-3;
 
 /** The projection of positions in the scan's frame, as drawn, to a canvas [pixel]. */
 export class Lens {

@@ -1,6 +1,7 @@
 import { DataTexture, SRGBColorSpace } from "three";
 
-const kSteps = 254; // between the two colors beyond the limits
+// The number of colors between the two beyond the limits.
+const kSteps = 254;
 
 /**
  * Colors of values, as [red, green, blue] of 0 to 255: below the lower limit, between the limits in
@@ -57,7 +58,8 @@ export class PaletteTexture extends DataTexture {
 
   set(palette) {
     for (let k = 0; k < kSteps + 2; ++k) {
-      const value = (k - 0.5) / kSteps; // the first is below 0, the last above 1
+      // The first value is below 0, the last above 1.
+      const value = (k - 0.5) / kSteps;
       this.image.data.set([...colorOf(palette, value, 0, 1), 255], 4 * k);
     }
     this.needsUpdate = true;

@@ -2,7 +2,8 @@ import { Spherical, Vector3 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 
 const kFlightSeconds = 0.45;
-const kTurn = Math.PI / 24; // of an arrow key
+// The turn of an arrow key.
+const kTurn = Math.PI / 24;
 
 /** Moves the camera: by mouse, touch and keys, and in animated flights. */
 export class Pilot {
@@ -10,7 +11,8 @@ export class Pilot {
   #controls;
   #onMove;
   #flight = 0;
-  #kept = null; // { position, target } to come back to
+  // The place to return to: { position, target }.
+  #kept = null;
 
   /** Whether the user is dragging the camera. */
   isDragged = false;

@@ -2,7 +2,8 @@ import { BufferAttribute, BufferGeometry, Color, Matrix4, Points, PointsMaterial
 
 import { kVerdicts } from "../rays.js";
 
-const kSize = 1.3; // of a point, in what each has of the side of their extent
+// The size of a point, in sides of the square that each would have of the points' extent.
+const kSize = 1.3;
 
 /**
  * The verdicts of rays for a posed model, as colored points on it.

@@ -3,7 +3,8 @@ import { Vector3 } from "three";
 import { element } from "../dom.js";
 
 const kSvg = "http://www.w3.org/2000/svg";
-const kEnd = 4; // radius of the ends [pixel]
+// The radius of the ends [pixel].
+const kEnd = 4;
 
 const svg = (tag, className) => {
   const made = document.createElementNS(kSvg, tag);

@@ -2,8 +2,10 @@ import { Color, NearestFilter, Raycaster, Vector2, WebGLRenderTarget } from "thr
 
 import { outlineMaterial } from "./picture.js";
 
-const kWidth = 256; // of the picture that is searched [pixel]
-const kMost = 255; // things that a byte tells apart
+// The width of the picture that is searched [pixel].
+const kWidth = 256;
+// The number of things that a byte distinguishes.
+const kMost = 255;
 
 /**
  * For each of `count` things the pixel farthest from other things and from the border, in steps to
@@ -48,7 +50,8 @@ export class SeenParts {
     const height = Math.max(1, Math.round(kWidth / camera.aspect));
     this.#target.setSize(kWidth, height);
     shrink(height);
-    camera.updateMatrixWorld(); // which moves with what is drawn next
+    // The matrix is otherwise that of the previous picture.
+    camera.updateMatrixWorld();
     const seenFrom = camera.clone();
     const pixels = await this.#draw(renderer, scene, camera, meshes.slice(0, kMost), height);
     const ids = new Uint8Array(kWidth * height).map((_, i) => pixels[4 * i + 3]);

@@ -2,9 +2,12 @@ import { BufferGeometry, LineBasicMaterial, LineSegments, Matrix4, Vector3 } fro
 
 import { element } from "../dom.js";
 
-const kSize = 0.16; // of what is drawn, in radii of the scan
-const kSameDirection = Math.cos((8 * Math.PI) / 180); // within it the view is the sensor's own
-const kMargin = 34; // of a mark at the border of the view [pixel]
+// The size of the pyramid, in radii of the scan.
+const kSize = 0.16;
+// Within this angle the view is that of the sensor.
+const kSameDirection = Math.cos((8 * Math.PI) / 180);
+// The distance of a mark from the border of the view [pixel].
+const kMargin = 34;
 const kArrows = ["→", "↗", "↑", "↖", "←", "↙", "↓", "↘"];
 
 /** A pyramid from the sensor along its view direction. */
@@ -70,7 +73,8 @@ export class Sensor {
     const isAhead = seen.z < -camera.near;
     const point = this.#at.clone().project(camera);
     const inView = isAhead && Math.max(Math.abs(point.x), Math.abs(point.y)) < 0.95;
-    let [across, up] = [point.x * width, point.y * height]; // in half pixels from the middle
+    // These are in half pixels from the middle.
+    let [across, up] = [point.x * width, point.y * height];
     let text = "sensor";
     if (!inView) {
       [across, up] = [seen.x, seen.y];

@@ -1,8 +1,10 @@
 import { CylinderGeometry, Group, Mesh, MeshBasicMaterial, Quaternion, Vector3 } from "three";
 
-const kReach = 1.25; // beyond the model, in its radii
-const kThickness = 0.006; // likewise
-const kDashes = 14; // of an axis that nearly is one
+// The length and the thickness of an axis, in radii of the model.
+const kReach = 1.25;
+const kThickness = 0.006;
+// The number of dashes of the axis of a near symmetry.
+const kDashes = 14;
 
 /**
  * Symmetry axes of a model, as lines; dashed for near symmetries.

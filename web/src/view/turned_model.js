@@ -1,6 +1,7 @@
 import { DoubleSide, Group, Mesh, MeshBasicMaterial, MeshLambertMaterial, SphereGeometry } from "three";
 
-const kBall = 0.035; // radius, in the model's radii
+// The radius of the ball, in radii of the model.
+const kBall = 0.035;
 const kOpacity = 0.45;
 
 /**
@@ -28,7 +29,8 @@ export function makeTurned(geometry, { matrix, place }, radius, color) {
     new SphereGeometry(kBall * radius, 16, 12),
     new MeshBasicMaterial({ color, depthTest: false, transparent: true }),
   );
-  ball.renderOrder = 1; // over all else, since it may lie within
+  // The ball is drawn over everything else, since it may lie inside the model.
+  ball.renderOrder = 1;
   ball.position.copy(place);
   return new Group().add(copy, ball);
 }

@@ -1,7 +1,8 @@
 import { svg } from "./svg.js";
 
-const kSize = 6; // [pixel]
-const kReach = 16; // of a finger
+// The radii of a handle, as drawn and for fingers [pixel].
+const kSize = 6;
+const kReach = 16;
 
 /** A dot that the user drags. */
 export class Handle {

@@ -4,7 +4,8 @@ import { Handle } from "./handle.js";
 import { linesData, svg } from "./svg.js";
 
 const kAxes = ["x", "y", "z"];
-const kAlong = 0.03; // of a view along an axis: its faces hide what dragging them would do
+// In a view this much along an axis, the faces across it hide the effect of dragging them.
+const kAlong = 0.03;
 
 /** Corner k of a box: bit `axis` of k gives its side. */
 const corner = ([low, high], k) =>
@@ -22,7 +23,8 @@ export class RegionGuide {
   #front = svg("path", { class: "region" });
   #back = svg("path", { class: "region behind" });
   #handles;
-  #box = null; // [low, high], Vector3
+  // [low, high], each a Vector3.
+  #box = null;
   #lens = null;
 
   /** onDrag([low, high])  corners, in the frame of the lens */

@@ -3,7 +3,8 @@ import { Vector3 } from "three";
 import { Handle } from "./handle.js";
 import { linesData, svg } from "./svg.js";
 
-const kSteps = 48; // of the rim
+// The number of steps of the rim.
+const kSteps = 48;
 const kSpokes = 8;
 const kDegrees = 180 / Math.PI;
 
@@ -13,9 +14,12 @@ export class TiltGuide {
   #cone = svg("path", { class: "tilt limit" });
   #tip;
   #rim;
-  #tilt = null; // { direction: unit Vector3, angle [degrees], at: Vector3, length }
-  #side = null; // of the cone, to hold its handle by: unit Vector3
-  #isFar = false; // the handle that is dragged is on the far side of the sphere
+  // { direction: unit Vector3, angle [degrees], at: Vector3, length }
+  #tilt = null;
+  // The side of the cone with its handle: unit Vector3.
+  #side = null;
+  // Whether the dragged handle is on the far side of the sphere.
+  #isFar = false;
   #lens = null;
 
   /** onDrag({ direction, angle })  in the frame of the lens */
