@@ -1,13 +1,15 @@
 /** Signed distances of points to triangle meshes. */
 
-const kLeaf = 4; // triangles of a box that is not split further
+// A box with this many triangles is not split further.
+const kLeaf = 4;
 
 const kCorners = [0, 1, 2];
 
 /** The feature of a triangle that is nearest to a point: its inside, 1 + corner, 4 + edge. */
 const kInside = 0;
 const kFirstCorner = 1;
-const kFirstEdge = 4; // edge k is between corner k and the next
+// Edge k is between corner k and the next.
+const kFirstEdge = 4;
 
 /** Merges vertices at equal positions: [for each vertex, the first at its position]. */
 function weld(vertices) {
@@ -25,13 +27,19 @@ function weld(vertices) {
  * Visualization and Computer Graphics 2005.
  */
 export class Surface {
-  #vertices; // x, y, z of each
-  #corners; // three vertices of each triangle, in the order of the tree
+  // The x, y, z of each vertex.
+  #vertices;
+  // The three vertices of each triangle, in the order of the tree.
+  #corners;
   #faceNormals;
-  #edgeNormals; // three of each triangle
+  // The three normals of the edges of each triangle.
+  #edgeNormals;
   #vertexNormals;
-  #boxes; // low and high x, y, z of node k, whose halves are 2 k + 1 and 2 k + 2
+  // The low and high x, y, z of node k, whose halves are 2 k + 1 and 2 k + 2.
+  #boxes;
   #best = { squared: 0, triangle: -1, feature: kInside, x: 0, y: 0, z: 0 };
+  // The place whose distance is sought.
+  #place = { x: 0, y: 0, z: 0 };
   #nearest = { feature: kInside, x: 0, y: 0, z: 0 };
 
   /** Whether the mesh bounds a solid: every edge is in two triangles, in opposite directions. */
@@ -130,7 +138,8 @@ export class Surface {
     const [v, corners, num] = [this.#vertices, this.#corners, this.numTriangles];
     const faces = new Float64Array(3 * num);
     const vertices = new Float64Array(v.length);
-    const edges = new Map(); // by ends: { x, y, z, count, direction: of its triangles, summed }
+    // By their ends: { x, y, z: summed normals, count, direction: summed over the triangles }.
+    const edges = new Map();
     const edgeOf = (from, to) => {
       const key = Math.min(from, to) * (v.length / 3) + Math.max(from, to);
       if (!edges.has(key)) edges.set(key, { x: 0, y: 0, z: 0, count: 0, direction: 0 });
@@ -177,6 +186,9 @@ export class Surface {
     const best = this.#best;
     best.squared = most * most;
     best.triangle = -1;
+    this.#place.x = x;
+    this.#place.y = y;
+    this.#place.z = z;
     if (this.numTriangles && this.#squaredToBox(0, x, y, z) <= best.squared) {
       this.#search(0, 0, this.numTriangles, x, y, z);
     }
@@ -226,12 +238,7 @@ export class Surface {
   #try(triangle, x, y, z) {
     const nearest = this.#nearest;
     const best = this.#best;
-    const corners = this.#corners;
-    const at = 3 * triangle;
-    const a = 3 * corners[at];
-    const b = 3 * corners[at + 1];
-    const c = 3 * corners[at + 2];
-    findNearest(this.#vertices, a, b, c, x, y, z, nearest);
+    findNearest(this.#vertices, this.#corners, 3 * triangle, this.#place, nearest);
     const squared = (x - nearest.x) ** 2 + (y - nearest.y) ** 2 + (z - nearest.z) ** 2;
     if (squared > best.squared || (squared === best.squared && best.triangle >= 0)) return;
     best.squared = squared;
@@ -296,13 +303,17 @@ function angleAt(v, a, b, c) {
 }
 
 /**
- * The point of a triangle that is nearest to x, y, z.
+ * The point of a triangle that is nearest to a place.
  *
- * a, b, c  indices of its corners in v
- * out      { x, y, z, feature }
+ * v      x, y, z of each vertex
+ * at     where the vertices of the triangle are in `corners`
+ * place  { x, y, z }; out  { x, y, z, feature }
  * Source: Ericson, Real-Time Collision Detection, 2005, 5.1.5.
  */
-function findNearest(v, a, b, c, x, y, z, out) {
+function findNearest(v, corners, at, { x, y, z }, out) {
+  const a = 3 * corners[at];
+  const b = 3 * corners[at + 1];
+  const c = 3 * corners[at + 2];
   const ax = v[a];
   const ay = v[a + 1];
   const az = v[a + 2];
@@ -323,8 +334,9 @@ function findNearest(v, a, b, c, x, y, z, out) {
   const vb = d5 * d2 - d1 * d6;
   const vc = d1 * d4 - d3 * d2;
   let feature = kInside;
-  let s = vb / (va + vb + vc); // along a to b
-  let t = vc / (va + vb + vc); // along a to c
+  // The shares along a to b and along a to c.
+  let s = vb / (va + vb + vc);
+  let t = vc / (va + vb + vc);
   if (d1 <= 0 && d2 <= 0) {
     feature = kFirstCorner;
     s = 0;

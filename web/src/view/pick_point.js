@@ -1,6 +1,7 @@
 import { Vector4 } from "three";
 
-const kReach = 10; // [pixel] around the pointer
+// The largest distance of a point from the pointer [pixel].
+const kReach = 10;
 
 /**
  * The point of a scan at a position of the canvas: among those near the pointer the one nearest to
@@ -8,10 +9,10 @@ const kReach = 10; // [pixel] around the pointer
  *
  * positions  x, y, z of each
  * project    Matrix4 from positions to clip space
- * x, y       of the pointer in the canvas [pixel]; width, height of the canvas
+ * pointer    { x, y: in the canvas, width, height: of the canvas } [pixel]
  * isSeen     whether a position [x, y, z] is drawn
  */
-export function pickPoint(positions, project, x, y, width, height, isSeen) {
+export function pickPoint(positions, project, { x, y, width, height }, isSeen) {
   const clip = new Vector4();
   let best = null;
   for (let i = 0; i < positions.length; i += 3) {

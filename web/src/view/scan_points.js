@@ -3,11 +3,16 @@ import { BufferAttribute, BufferGeometry, Matrix4, Points, ShaderMaterial } from
 import { PaletteTexture } from "./palettes.js";
 
 const kProbes = 40;
-const kNeighbors = 6; // of a point among random ones, or in a grid, within 1.4 spacings
-const kSizeInSpacings = "2.0"; // neighbors overlap, so that a surface looks closed
-const kUnlit = "0.7"; // share of a color that stands for a value
-const kNoValue = 1e30; // a float on all GPUs, which NaN is not
-const kBehind = 0.006; // of the scan's radius: models stand out from the points that they explain
+// A point has this many neighbors within 1.4 spacings, among random points and in a grid.
+const kNeighbors = 6;
+// Neighboring points overlap, so that a surface looks closed.
+const kSizeInSpacings = "2.0";
+// This share of a color that stands for a value is not shaded.
+const kUnlit = "0.7";
+// A missing value is a float, as GPUs do not agree on NaN.
+const kNoValue = 1e30;
+// Points are drawn this far behind their places, in radii of the scan: models stand out from them.
+const kBehind = 0.006;
 
 /** The spacing of points where they are rather sparse. */
 function spacing(positions) {
@@ -15,7 +20,8 @@ function spacing(positions) {
   const distances = [];
   for (let probe = 0; probe < Math.min(kProbes, num); ++probe) {
     const i = 3 * Math.floor(((probe + 0.5) * num) / Math.min(kProbes, num));
-    const nearest = new Array(kNeighbors + 1).fill(Infinity); // rising; the first is itself
+    // The distances rise, and the first is that of the point itself.
+    const nearest = new Array(kNeighbors + 1).fill(Infinity);
     for (let k = 0; k < positions.length; k += 3) {
       const x = positions[k] - positions[i];
       if (x * x >= nearest[kNeighbors]) continue;
@@ -32,6 +38,56 @@ function spacing(positions) {
   distances.sort((a, b) => a - b);
   return distances[Math.floor(distances.length * 0.8)] ?? 0;
 }
+
+const kVertexShader = `
+  #include <clipping_planes_pars_vertex>
+  attribute float value;
+  uniform vec3 color, dim;
+  uniform float spacing, pixelsPerUnit, smallest, low, high;
+  uniform bool hasValues;
+  uniform sampler2D palette;
+  varying float seenZ, size;
+  // The picture lights the color, as far as its alpha is not 1.
+  varying vec4 ink;
+
+  // All texels but the first and the last are for values within the limits.
+  vec4 colorOf(float value) {
+    if (value > 0.5 * ${kNoValue.toExponential()}) return vec4(dim, ${kUnlit});
+    float texels = float(textureSize(palette, 0).x);
+    float at = 1.0 + (value - low) / (high - low) * (texels - 2.0);
+    float texel = clamp(at, 1.0, texels - 2.0);
+    if (value < low) texel = 0.0;
+    if (value > high) texel = texels - 1.0;
+    return vec4(texelFetch(palette, ivec2(int(texel), 0), 0).rgb, ${kUnlit});
+  }
+
+  void main() {
+    vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
+    #include <clipping_planes_vertex>
+    seenZ = mvPosition.z;
+    gl_Position = projectionMatrix * mvPosition;
+    float wanted = ${kSizeInSpacings} * spacing * pixelsPerUnit / -seenZ;
+    size = clamp(wanted, smallest, 14.0 * smallest);
+    gl_PointSize = size;
+    ink = hasValues ? colorOf(value) : vec4(color, 0.0);
+  }`;
+
+const kFragmentShader = `
+  #include <clipping_planes_pars_fragment>
+  uniform float spacing, behind;
+  uniform mat4 projectionMatrix;
+  varying float seenZ, size;
+  varying vec4 ink;
+  void main() {
+    #include <clipping_planes_fragment>
+    // A dome instead of a disc: where neighbors meet, depth is continuous. Small points use all
+    // their pixels to close the surface.
+    float off = 2.0 * length(gl_PointCoord - 0.5);
+    if (off > 1.0 && size > 4.0) discard;
+    float z = seenZ - spacing * off * off - behind;
+    gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] + projectionMatrix[3][2] / z);
+    gl_FragColor = ink;
+  }`;
 
 /**
  * A scan as round points about as large as their spacing.
@@ -64,53 +120,8 @@ export function makeScanPoints(positions, frame) {
       palette: { value: new PaletteTexture() },
     },
     clipping: true,
-    vertexShader: `
-      #include <clipping_planes_pars_vertex>
-      attribute float value;
-      uniform vec3 color, dim;
-      uniform float spacing, pixelsPerUnit, smallest, low, high;
-      uniform bool hasValues;
-      uniform sampler2D palette;
-      varying float seenZ, size;
-      varying vec4 ink; // to be lit by the picture, as far as its alpha is not 1
-
-      // All texels but the first and the last are for values within the limits.
-      vec4 colorOf(float value) {
-        if (value > 0.5 * ${kNoValue.toExponential()}) return vec4(dim, ${kUnlit});
-        float texels = float(textureSize(palette, 0).x);
-        float at = 1.0 + (value - low) / (high - low) * (texels - 2.0);
-        float texel = clamp(at, 1.0, texels - 2.0);
-        if (value < low) texel = 0.0;
-        if (value > high) texel = texels - 1.0;
-        return vec4(texelFetch(palette, ivec2(int(texel), 0), 0).rgb, ${kUnlit});
-      }
-
-      void main() {
-        vec4 mvPosition = modelViewMatrix * vec4(position, 1.0);
-        #include <clipping_planes_vertex>
-        seenZ = mvPosition.z;
-        gl_Position = projectionMatrix * mvPosition;
-        float wanted = ${kSizeInSpacings} * spacing * pixelsPerUnit / -seenZ;
-        size = clamp(wanted, smallest, 14.0 * smallest);
-        gl_PointSize = size;
-        ink = hasValues ? colorOf(value) : vec4(color, 0.0);
-      }`,
-    fragmentShader: `
-      #include <clipping_planes_pars_fragment>
-      uniform float spacing, behind;
-      uniform mat4 projectionMatrix;
-      varying float seenZ, size;
-      varying vec4 ink;
-      void main() {
-        #include <clipping_planes_fragment>
-        // A dome instead of a disc: where neighbors meet, depth is continuous. Small points use all
-        // their pixels to close the surface.
-        float off = 2.0 * length(gl_PointCoord - 0.5);
-        if (off > 1.0 && size > 4.0) discard;
-        float z = seenZ - spacing * off * off - behind;
-        gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] + projectionMatrix[3][2] / z);
-        gl_FragColor = ink;
-      }`,
+    vertexShader: kVertexShader,
+    fragmentShader: kFragmentShader,
   });
   const points = new Points(geometry, material);
   points.frustumCulled = false;
