@@ -167,6 +167,7 @@ TEST_F(HaProxy, PassesOnWhatClientsNeedAndNothingElse) {
   EXPECT_EQ(ask(port_, "GET", models[0]["mesh"]).status, 200);
   EXPECT_EQ(ask(port_, "GET", models[0]["thumbnail"]).status, 200);
   EXPECT_EQ(ask(port_, "POST", "/v2/repository/index").status, 200);
+  EXPECT_EQ(ask(port_, "POST", "/v1/robot-poses", "[]").status, 400) << "the service refuses it";
   EXPECT_EQ(ask(port_, "POST", query_, scan_).status, 200);
   EXPECT_EQ(ask(port_, "POST", "http://localhost" + query_, scan_).status, 200);
   const std::string page = "Origin: http://localhost\r\nX-Trivet: page\r\n";
