@@ -51,7 +51,7 @@ struct PoseError {
 };
 
 PoseError pose_error(std::size_t part, const Pose& T_scene_part) {
-  const Model& model = trained_parts(kDefaultStep).models[part];
+  const Model& model = trained_parts(kDefaultStep)[part];
   const auto error =
       kernels::pose_distance(parts()[part].T_scene_part, T_scene_part, {}, model.center);
   return {double{error.translation / model.diameter},
@@ -67,12 +67,12 @@ const std::vector<Part>& parts() {
   return all;
 }
 
-const Library& trained_parts(float relative_step) {
-  static std::map<float, Library> libraries;
-  const auto [entry, is_new] = libraries.try_emplace(relative_step);
+const std::vector<Model>& trained_parts(float relative_step) {
+  static std::map<float, std::vector<Model>> all;
+  const auto [entry, is_new] = all.try_emplace(relative_step);
   if (is_new) {
     for (const Part& part : parts())
-      entry->second.models.push_back(train(part, {.relative_step = relative_step}));
+      entry->second.push_back(train(part, {.relative_step = relative_step}));
   }
   return entry->second;
 }
@@ -132,7 +132,7 @@ void report_poses(benchmark::State& state, std::span<const std::optional<Pose>> 
 
 const std::vector<Pose>& rough_poses() {
   static const std::vector<Pose> poses = [] {
-    const Model& bracket = trained_parts(kDefaultStep).models[0];
+    const Model& bracket = trained_parts(kDefaultStep)[0];
     const Pose truth = parts()[0].T_scene_part;
     std::mt19937 random(2);
     std::normal_distribution<float> normal;

@@ -24,7 +24,7 @@ struct Part {
 const std::vector<Part>& parts();
 
 /// Both parts, trained; the same on every call with this step.
-const Library& trained_parts(float relative_step);
+const std::vector<Model>& trained_parts(float relative_step);
 inline constexpr float kDefaultStep = 0.04F;
 
 /// A VGA depth scan of the parts in front of a wall, with 0.5 mm noise along the rays [m].

@@ -23,9 +23,9 @@ Result<std::unique_ptr<trivet_library>> open_recognizer(const char* file, const 
 }
 
 /// Null if the library is null or the index is too large.
-const trivet::Model* find_model(const trivet_library* library, std::size_t model) {
+const trivet::ModelInfo* find_model(const trivet_library* library, std::size_t model) {
   if (!library) return nullptr;
-  const std::vector<trivet::Model>& models = library->recognizer.library().models;
+  const std::span<const trivet::ModelInfo> models = library->recognizer.library().models;
   return model < models.size() ? &models[model] : nullptr;
 }
 
@@ -45,12 +45,12 @@ size_t trivet_num_models(const trivet_library* library) {
 }
 
 const char* trivet_model_name(const trivet_library* library, size_t model) {
-  const trivet::Model* const found = find_model(library, model);
+  const trivet::ModelInfo* const found = find_model(library, model);
   return found ? found->name.c_str() : nullptr;
 }
 
 double trivet_model_diameter(const trivet_library* library, size_t model) {
-  const trivet::Model* const found = find_model(library, model);
+  const trivet::ModelInfo* const found = find_model(library, model);
   return found ? static_cast<double>(found->diameter) : 0;
 }
 

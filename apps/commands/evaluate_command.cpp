@@ -57,7 +57,7 @@ Result<std::vector<std::string>> lacked_models(const Manifest& manifest, const L
                                                const Console& console) {
   std::vector<std::string> known = chosen;
   if (known.empty())
-    for (const Model& model : library.models) known.push_back(model.name);
+    for (const ModelInfo& model : library.models) known.push_back(model.name);
   const std::vector<std::string> scored = scored_models(manifest);
   std::vector<std::string> lacked = scored;
   std::erase_if(lacked, [&](const std::string& name) {

@@ -23,7 +23,7 @@ Result<void> list(const ViewArguments& arguments) {
   const Result<Library> library = open_library(arguments.file);
   if (!library) return library.error();
   std::string text;
-  for (const Model& model : library->models) text += model.name + '\n';
+  for (const ModelInfo& model : library->models) text += model.name + '\n';
   return write_output(text);
 }
 

@@ -152,7 +152,7 @@ Result<void> check(const ServeSettings& settings, const Context& context) {
   if (!opened) return opened.error();
   const Library& library = (*opened)->service->generation()->recognizer.library();
   std::vector<std::string_view> methods;
-  if (std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); })) {
+  if (library.has_pairs()) {
     methods.push_back(name_of(Source::ppf));
   }
   if (library.basis.components.size() > 0) methods.push_back(name_of(Source::trisi));

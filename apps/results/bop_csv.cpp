@@ -37,7 +37,7 @@ Result<void> check_bop_ids(const SceneInputs& scenes, const Library& library,
   }
   std::vector<std::string> names(models.begin(), models.end());
   if (names.empty())
-    for (const Model& model : library.models) names.push_back(model.name);
+    for (const ModelInfo& model : library.models) names.push_back(model.name);
   for (const std::string& name : names) {
     if (!scenes.object_ids.contains(name)) {
       return refuse("models named as in the BOP data set (obj_000001)",

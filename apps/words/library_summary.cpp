@@ -22,27 +22,23 @@ struct FeatureTotals {
 
 FeatureTotals feature_totals(const Library& library) {
   FeatureTotals totals;
-  for (const Model& model : library.models) {
-    for (const TriSpinFeatures& features : model.features) {
-      totals.number += features.size();
+  for (std::uint32_t m = 0; m < library.models.size(); ++m) {
+    for (const ModelShape::Features& features : library.shape(m).features) {
+      totals.number += features.size;
       totals.bytes +=
-          features.size() * (sizeof(Eigen::Vector3f) + sizeof(FrameRows)) + features.codes.size();
+          features.size * (sizeof(Eigen::Vector3f) + sizeof(FrameRows)) + features.code_bytes;
     }
   }
-  for (const FeatureLevel& level : library.index)
-    totals.bytes +=
-        level.codes.size() +
-        level.size() * (sizeof(Eigen::Vector3f) + sizeof(RotationCode) + sizeof(level.model[0]));
+  for (std::size_t k = 0; k < library.index.size(); ++k) {
+    const LevelShape level = library.index.shape(k);
+    totals.bytes += level.code_bytes +
+                    level.num_features *
+                        (sizeof(Eigen::Vector3f) + sizeof(RotationCode) + sizeof(level.models[0]));
+  }
   const PcaBasis& pca = library.basis.components;
   totals.energy_share =
       std::accumulate(pca.energies.begin(), pca.energies.end(), 0.0) / pca.all_energy;
   return totals;
-}
-
-std::size_t num_features(const Model& model) {
-  std::size_t all = 0;
-  for (const TriSpinFeatures& features : model.features) all += features.size();
-  return all;
 }
 
 std::string features_text(const Library& library) {
@@ -75,7 +71,7 @@ std::string symmetry_text(const Symmetry& symmetry) {
   return text + (symmetry.declared ? " (declared)" : " (found)");
 }
 
-std::string near_text(const Model& model) {
+std::string near_text(const ModelInfo& model) {
   return fmt::format("{}{}", model.near_axis ? "axis + " : "", model.near_symmetries.size());
 }
 
@@ -86,27 +82,27 @@ Json axis_json(const std::optional<Symmetry::Axis>& axis) {
   return {{"direction", vector_json(axis->direction)}, {"point", vector_json(axis->point)}};
 }
 
-Json pairs_json(const Model& model) {
-  const PpfQuantization& quantization = model.ppf.quantization;
-  if (quantization.num_distance_bins == 0) return nullptr;
-  return {{"points", model.ppf_points.size()},
-          {"references", model.ppf.num_references},
-          {"pairs", model.ppf.entries.size()},
+Json pairs_json(const ModelShape& shape) {
+  if (!shape.has_pairs()) return nullptr;
+  const PpfQuantization& quantization = shape.quantization;
+  return {{"points", shape.num_ppf_points},
+          {"references", shape.num_references},
+          {"pairs", shape.num_ppf_entries},
           {"distance_step", quantization.distance_step},
           {"distance_bins", quantization.num_distance_bins},
           {"angle_bins", quantization.num_angle_bins}};
 }
 
-Json model_json(const Model& model) {
+Json model_json(const ModelInfo& model, const ModelShape& shape) {
   return {{"name", model.name},
           {"source", model.source},
           {"source_xxh3", model.source_xxh3},
           {"fingerprint", model.fingerprint},
           {"diameter", model.diameter},
           {"center", vector_json(model.center)},
-          {"vertices", model.vertices.size()},
-          {"triangles", model.triangles.size()},
-          {"samples", model.samples.size()},
+          {"vertices", shape.num_vertices},
+          {"triangles", shape.num_triangles},
+          {"samples", shape.num_samples},
           {"sample_spacing", model.sample_spacing},
           {"symmetry",
            {{"axis", axis_json(model.symmetry.axis)},
@@ -114,8 +110,8 @@ Json model_json(const Model& model) {
             {"declared", model.symmetry.declared}}},
           {"near_symmetry",
            {{"axis", axis_json(model.near_axis)}, {"poses", model.near_symmetries.size()}}},
-          {"point_pairs", pairs_json(model)},
-          {"features", num_features(model)}};
+          {"point_pairs", pairs_json(shape)},
+          {"features", shape.num_features()}};
 }
 
 Json parameters_json(const std::string& parameters) {
@@ -140,19 +136,22 @@ std::string library_text(const Library& library) {
   text += fmt::format("{:<32} {:>12} {:>9} {:>9} {:>9} {:>12} {:>10} {:>9} {:>9}  {}\n", "model",
                       fmt::format("diameter[{}]", unit), "vertices", "samples", "points", "pairs",
                       fmt::format("step[{}]", unit), "features", "near", "symmetry");
-  for (const Model& model : library.models) {
-    text += fmt::format("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n",
-                        model.name, model.diameter, model.vertices.size(), model.samples.size(),
-                        model.ppf_points.size(), model.ppf.entries.size(),
-                        model.ppf.quantization.distance_step, num_features(model), near_text(model),
-                        symmetry_text(model.symmetry));
+  for (std::uint32_t m = 0; m < library.models.size(); ++m) {
+    const ModelInfo& model = library.models[m];
+    const ModelShape shape = library.shape(m);
+    text +=
+        fmt::format("{:<32} {:>12.5g} {:>9} {:>9} {:>9} {:>12} {:>10.4g} {:>9} {:>9}  {}\n",
+                    model.name, model.diameter, shape.num_vertices, shape.num_samples,
+                    shape.num_ppf_points, shape.num_ppf_entries, shape.quantization.distance_step,
+                    shape.num_features(), near_text(model), symmetry_text(model.symmetry));
   }
   return text;
 }
 
 nlohmann::ordered_json library_json(const Library& library) {
   Json models = Json::array();
-  for (const Model& model : library.models) models.push_back(model_json(model));
+  for (std::uint32_t m = 0; m < library.models.size(); ++m)
+    models.push_back(model_json(library.models[m], library.shape(m)));
   return {{"file", library.file.string()},
           {"bytes", library.file_bytes},
           {"format", format_version(library)},

@@ -22,7 +22,7 @@ struct Sweep {
 };
 
 Sweep make_sweep() {
-  Sweep sweep{trained_parts(kDefaultStep).models[0], {}};
+  Sweep sweep{trained_parts(kDefaultStep)[0], {}};
   const VoteOptions options;
   PpfQuantization quantization = sweep.model.ppf.quantization;
   quantization.num_distance_bins = static_cast<std::uint32_t>(

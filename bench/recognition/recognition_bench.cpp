@@ -43,7 +43,7 @@ BENCHMARK(train_ours)
     ->Apply(measure_process_time);
 
 void refine_ours(benchmark::State& state) {
-  const Model& bracket = trained_parts(kDefaultStep).models[0];
+  const Model& bracket = trained_parts(kDefaultStep)[0];
   const kernels::ModelSamples samples{bracket.samples,      bracket.sample_normals,
                                       bracket.sample_views, bracket.sample_spacing,
                                       bracket.diameter,     bracket.center};
@@ -64,7 +64,7 @@ BENCHMARK(refine_ours)->Name("icp/ours")->Apply(measure_process_time);
 // Recognition from the scan to verified poses of both parts: normals, planes, sampling, voting,
 // refinement, selection.
 void recognize_ours(benchmark::State& state) {
-  const Recognizer recognizer(trained_parts(relative_step(state)));
+  const Recognizer recognizer(Library(trained_parts(relative_step(state))));
   SceneResult result;
   for (auto _ : state) {
     auto found = recognize(recognizer, parts_scan(), {}, {});

@@ -8,7 +8,7 @@
 namespace trivet::bench {
 namespace {
 
-const Model& bracket() { return trained_parts(kDefaultStep).models[0]; }
+const Model& bracket() { return trained_parts(kDefaultStep)[0]; }
 
 kernels::ModelSamples samples() {
   const Model& model = bracket();

@@ -48,16 +48,16 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
   return objects;
 }
 
-/// Set up the equations of all objects. An object whose ray tracing fails is left out.
+/// Set up the equations of all objects. An object that cannot be traced is left out.
 void gather(const Recognizer& recognizer, const kernels::RangeImage& image,
             const kernels::LogScales& scales, std::span<SureObject> objects) {
   PerThread<kernels::ScaleScratch> scratch;
   for_each_index(objects.size(), [&](std::size_t k) {
     SureObject& object = objects[k];
-    const Model& model = recognizer.library().models[object.model];
     const auto surface = recognizer.surface(object.model);
-    if (!surface) return;
-    kernels::gather_object(image, {**surface, samples_of(model), object.T_camera_model}, scales,
+    const Result<TestedModel> model = tested_model(recognizer.library(), object.model);
+    if (!surface || !model) return;
+    kernels::gather_object(image, {**surface, model->samples, object.T_camera_model}, scales,
                            object.options, scratch.local(), object.equations);
   });
 }

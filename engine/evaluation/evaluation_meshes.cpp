@@ -50,9 +50,9 @@ Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manif
 Result<std::vector<EvaluationMesh>> meshes_of(const Library& library) {
   std::vector<EvaluationMesh> meshes;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    TRIVET_TRY(library.check(m, ModelPart::surface));
-    const Model& model = library.models[m];
-    meshes.push_back({model.name, model.vertices, model.triangles,
+    TRIVET_TRY_ASSIGN(const ModelSurface* const surface, library.surface(m));
+    const ModelInfo& model = library.models[m];
+    meshes.push_back({model.name, surface->vertices, surface->triangles,
                       static_cast<double>(model.diameter), model.symmetry});
   }
   return meshes;

@@ -40,8 +40,8 @@ struct OpenLibrary {
   double open_seconds = 0;
 
   explicit OpenLibrary(Library&& library) : recognizer(std::move(library)) {
-    const std::vector<Model>& models = recognizer.library().models;
-    for (const Model& model : models)
+    const std::span<const ModelInfo> models = recognizer.library().models;
+    for (const ModelInfo& model : models)
       mean_diameter += model.diameter / static_cast<float>(models.size());
     (void)recognizer.features();
   }

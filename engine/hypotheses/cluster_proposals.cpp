@@ -19,7 +19,7 @@ struct Clusters {
   float num_votes = 0;                     // sum over all hypotheses
 };
 
-Clusters cluster(const Model& model, const Proposals& proposals,
+Clusters cluster(const ModelInfo& model, const Proposals& proposals,
                  const ClusterProposalsOptions& options) {
   const kernels::ClusterOptions limits{
       options.pose.cluster_translation * model.diameter,
@@ -48,7 +48,7 @@ std::vector<Row> cluster_proposals(const Library& library, std::span<const Propo
   PoseTable all;
   std::vector<Row> open, given_up;
   for (std::size_t k = 0; k < clusters.size(); ++k) {
-    const Model& model = library.models[by_model[k]->model];
+    const ModelInfo& model = library.models[by_model[k]->model];
     const std::vector<kernels::Hypothesis>& poses = clusters[k].poses;
     for (std::size_t c = 0; c < poses.size(); ++c) {
       if (!options.limits.allow(poses[c].T_scene_model, model.center, 1 / options.scale)) continue;

@@ -43,11 +43,10 @@ void gather_neighbors(const SceneLevel& level, const Eigen::Vector3f& center, fl
 
 /// The quantization of the largest table serves all tables. Keys of equal step differ only in their
 /// maximum distance, which the ball limits.
-PpfQuantization shared_quantization(const Library& library, std::span<const std::uint32_t> models,
-                                    float radius) {
+PpfQuantization shared_quantization(std::span<const ModelPairs* const> models, float radius) {
   PpfQuantization quantization;
-  for (const std::uint32_t m : models) {
-    const PpfQuantization& own = library.models[m].ppf.quantization;
+  for (const ModelPairs* const model : models) {
+    const PpfQuantization& own = model->ppf.quantization;
     if (own.num_distance_bins > quantization.num_distance_bins) quantization = own;
   }
   quantization.num_distance_bins =
@@ -57,7 +56,7 @@ PpfQuantization shared_quantization(const Library& library, std::span<const std:
 }
 
 /// The pose of the model at a peak.
-Pose pose_of(const kernels::VotePeak& peak, const Model& model, const Pose& T_scene_frame) {
+Pose pose_of(const kernels::VotePeak& peak, const ModelPairs& model, const Pose& T_scene_frame) {
   Pose turn = Pose::Identity();
   turn.linear() = Eigen::AngleAxisf(peak.rotation_rad, Eigen::Vector3f::UnitX()).toRotationMatrix();
   const Pose T_frame_model = kernels::frame_pose(kernels::reference_frame(
@@ -67,8 +66,7 @@ Pose pose_of(const kernels::VotePeak& peak, const Model& model, const Pose& T_sc
 
 /// What all reference points vote on. All is referred to.
 struct Voting {
-  const Library& library;
-  std::span<const std::uint32_t> models;
+  std::span<const ModelPairs* const> models;
   const SceneLevel& level;
   const PpfQuantization& quantization;
   const VoteOptions& options;
@@ -79,7 +77,7 @@ struct Voting {
 /// out  options.max_peaks for each model; without votes where there are fewer peaks
 void vote_from(const Voting& voting, std::uint32_t reference, VoteScratch& scratch,
                std::span<kernels::Hypothesis> out) {
-  const auto& [library, models, level, quantization, options] = voting;
+  const auto& [models, level, quantization, options] = voting;
   const kernels::ReferenceFrame frame =
       kernels::reference_frame(level.points[reference], level.normals[reference]);
   const float radius =
@@ -92,7 +90,7 @@ void vote_from(const Voting& voting, std::uint32_t reference, VoteScratch& scrat
   scratch.num_pairs += scratch.points.size();
   const Pose T_scene_frame = kernels::frame_pose(frame).inverse();
   for (std::size_t m = 0; m < models.size(); ++m) {
-    const Model& model = library.models[models[m]];
+    const ModelPairs& model = *models[m];
     if (model.ppf.entries.empty()) continue;
     check_stop();
     scratch.accumulator.resize(model.ppf.num_references * kernels::kRotationBins);
@@ -109,14 +107,14 @@ void vote_from(const Voting& voting, std::uint32_t reference, VoteScratch& scrat
 
 }  // namespace
 
-VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
-                                std::span<const std::uint32_t> models, const VoteOptions& options) {
-  const PpfQuantization quantization = shared_quantization(library, models, options.radius);
+VotedHypotheses find_hypotheses(std::span<const ModelPairs* const> models, const SceneLevel& level,
+                                const VoteOptions& options) {
+  const PpfQuantization quantization = shared_quantization(models, options.radius);
   const std::size_t slots = models.size() * options.max_peaks;
   std::vector<kernels::Hypothesis> found(level.references.size() * slots);
   PerThread<VoteScratch> per_thread(
       [&] { return VoteScratch(std::min(level.points.size(), kMaxPairs + 1)); });
-  const Voting voting{library, models, level, quantization, options};
+  const Voting voting{models, level, quantization, options};
   for_chunks(level.references.size(), 4, [&](std::size_t first, std::size_t count) {
     VoteScratch& scratch = per_thread.local();
     for (std::size_t r = first; r < first + count; ++r) {

@@ -8,7 +8,7 @@
 #include "engine/options/recognize_options.hpp"
 #include "engine/scene/prepare_scene.hpp"
 #include "kernels/common/hypothesis.hpp"
-#include "storage/library/library.hpp"
+#include "storage/data/model.hpp"
 
 namespace trivet::engine {
 
@@ -18,9 +18,8 @@ struct VotedHypotheses {
   std::uint64_t num_references = 0, num_pairs = 0, num_votes = 0;
 };
 
-/// Let every reference point of the level vote for every model of `models`. These share its
-/// sampling step.
-VotedHypotheses find_hypotheses(const Library& library, const SceneLevel& level,
-                                std::span<const std::uint32_t> models, const VoteOptions& options);
+/// Let every reference point of the level vote for every model. These share its sampling step.
+VotedHypotheses find_hypotheses(std::span<const ModelPairs* const> models, const SceneLevel& level,
+                                const VoteOptions& options);
 
 }  // namespace trivet::engine

@@ -27,21 +27,21 @@ Result<std::vector<Proposals>> MatchSource::propose(const MatchOptions& options,
 Result<void> MatchSource::match(const MatchOptions& options, const MatchLevels& levels,
                                 std::span<const std::uint8_t> explained) {
   const Library& library = recognizer_.library();
-  const Result<const FeatureIndex*> index = recognizer_.features();
+  const Result<const FeatureLevels*> index = recognizer_.features();
   if (!index) return index.error();
   for (std::size_t k = 0; k < (*index)->size(); ++k) {
-    const FeatureLevel& level = (**index)[k];
-    if (level.resolution < levels.finest) continue;
+    const LevelShape shape = (*index)->shape(k);
+    if (shape.resolution < levels.finest) continue;
     std::vector<std::uint32_t> models;
-    std::ranges::set_intersection(level.models, models_, std::back_inserter(models));
+    std::ranges::set_intersection(shape.models, models_, std::back_inserter(models));
     const bool is_own = std::ranges::any_of(models, [&](std::uint32_t m) {
-      return library.models[m].features[0].resolution == level.resolution;
+      return library.shape(m).features[0].resolution == shape.resolution;
     });
     if (models.empty() || (levels.only_own && !is_own)) continue;
-    TRIVET_TRY(library.check_level(k));
+    TRIVET_TRY_ASSIGN(const FeatureLevel* const level, (*index)->level(k));
     const SceneSample sample =
-        sample_for_models(library, scene_, level.resolution, models, large_planes_);
-    matches_.push_back(match_features(library.basis, level, {scene_, sample, explained}, options,
+        sample_for_models(library, scene_, shape.resolution, models, large_planes_);
+    matches_.push_back(match_features(library.basis, *level, {scene_, sample, explained}, options,
                                       [&] { recognizer_.release_memory(); }));
     recognizer_.release_memory();
   }

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "engine/common/check_models.hpp"
+#include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/hypotheses/sample_for_models.hpp"
@@ -43,8 +43,8 @@ Result<std::vector<Proposals>> VoteSource::propose(const ModelGroups& models,
   std::vector<Proposals> proposals;
   auto level = levels.begin();
   for (const auto& [step, of_step] : models) {
-    TRIVET_TRY(check_models(library, of_step, ModelPart::pairs));
-    VotedHypotheses voted = find_hypotheses(library, *level++, of_step, options);
+    TRIVET_TRY_ASSIGN(const std::vector<const ModelPairs*> pairs, pairs_of(library, of_step));
+    VotedHypotheses voted = find_hypotheses(pairs, *level++, options);
     stats_.num_references += voted.num_references;
     stats_.num_pairs += voted.num_pairs;
     stats_.num_votes += voted.num_votes;

@@ -13,19 +13,12 @@ namespace {
 
 constexpr std::uint64_t kMostInMemory = std::uint64_t{256} << 20U;
 
-Model as_named(const ModelCopy& copy) {
-  Model model = copy.model();
-  model.name = copy.name;
-  model.source = copy.source;
-  return model;
-}
-
 Result<std::shared_ptr<PackedModel>> check_and_pack(const ModelCopy& copy,
                                                     const LibraryWriter& writer) {
-  for (const ModelPart part : kModelParts) {
-    TRIVET_TRY(copy.library->check(copy.index, part));
-  }
-  return pack_model(as_named(copy), writer.unit(), writer.num_components());
+  TRIVET_TRY_ASSIGN(Model model, copy.library->model(copy.index));
+  model.name = copy.name;
+  model.source = copy.source;
+  return pack_model(model, writer.unit(), writer.num_components());
 }
 
 Error stopped(const std::filesystem::path& file, std::size_t num_written, std::size_t num_models) {

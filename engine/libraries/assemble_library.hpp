@@ -20,7 +20,7 @@ struct ModelCopy {
   std::string name;    ///< name in the new library
   std::string source;  ///< name, in the new library, of the file that it was trained from
 
-  const Model& model() const { return library->models[index]; }
+  const ModelInfo& info() const { return library->models[index]; }
 };
 
 /// All models of a library, with their names.

@@ -51,7 +51,7 @@ std::string parameters_beside(const std::string& own, const std::string& other) 
 }
 
 /// Whether two models were trained from the same input; unknown inputs are different.
-bool same_model(const Model& a, const Model& b) {
+bool same_model(const ModelInfo& a, const ModelInfo& b) {
   return !a.fingerprint.empty() && a.fingerprint == b.fingerprint;
 }
 
@@ -147,7 +147,7 @@ Result<void> merge_libraries(std::span<const fs::path> files, const fs::path& in
     }
     for (ModelCopy& copy : copies_of(library)) {
       const auto [at, added] = models.emplace(copy.name, copy);
-      if (added || same_model(at->second.model(), copy.model())) continue;
+      if (added || same_model(at->second.info(), copy.info())) continue;
       return Error{ErrorCode::usage,
                    fmt::format("{} and {}: both have a model '{}', and not the same; rename one",
                                at->second.library->file.string(), file.string(), copy.name)};
@@ -165,10 +165,10 @@ LibraryDifference compare_libraries(const Library& before, const Library& after)
   out.same_parameters = before.header.unit == after.header.unit &&
                         before.header.parameters == after.header.parameters;
   std::multimap<std::string, std::string> added;  // keyed by fingerprint
-  for (const Model& model : after.models) {
+  for (const ModelInfo& model : after.models) {
     if (!has_model(before, model.name)) added.emplace(model.fingerprint, model.name);
   }
-  for (const Model& model : before.models) {
+  for (const ModelInfo& model : before.models) {
     if (const Result<std::uint32_t> now = find_model(after, model.name)) {
       if (same_model(model, after.models[*now])) {
         ++out.num_same;

@@ -10,39 +10,45 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The models with these names, or all models, after checking them.
-Result<std::vector<const Model*>> models_named(const Library& library,
-                                               std::span<const std::string> names) {
+/// A model to export.
+struct Exported {
+  const ModelInfo& model;
+  const ModelSurface& surface;
+};
+
+/// The models with these names, or all models.
+Result<std::vector<Exported>> models_named(const Library& library,
+                                           std::span<const std::string> names) {
   std::vector<std::uint32_t> wanted;
   for (const std::string& name : names) {
     TRIVET_TRY_ASSIGN(const std::uint32_t found, find_model(library, name));
     wanted.push_back(found);
   }
   for (std::uint32_t m = 0; names.empty() && m < library.models.size(); ++m) wanted.push_back(m);
-  std::vector<const Model*> models;
+  std::vector<Exported> models;
   for (const std::uint32_t m : wanted) {
-    TRIVET_TRY(library.check(m, ModelPart::surface));
-    models.push_back(&library.models[m]);
+    TRIVET_TRY_ASSIGN(const ModelSurface* const surface, library.surface(m));
+    models.push_back({library.models[m], *surface});
   }
   return models;
 }
 
-Result<fs::path> write_surface(const Model& model, LengthUnit unit, SurfaceFormat format,
+Result<fs::path> write_surface(const Exported& exported, LengthUnit unit, SurfaceFormat format,
                                const fs::path& folder) {
   Cloud cloud;
-  cloud.points = Points(PointsView(model.vertices));
-  cloud.triangles = Triangles(TrianglesView(model.triangles));
+  cloud.points = Points(PointsView(exported.surface.vertices));
+  cloud.triangles = Triangles(TrianglesView(exported.surface.triangles));
   const bool as_ply = format == SurfaceFormat::ply;
-  fs::path file = folder / (model.name + (as_ply ? ".ply" : ".glb"));
+  fs::path file = folder / (exported.model.name + (as_ply ? ".ply" : ".glb"));
   TRIVET_TRY(as_ply ? write_ply(file, cloud) : write_glb(file, cloud, unit));
   return file;
 }
 
-Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit unit,
+Result<fs::path> write_data_set(std::span<const Exported> models, LengthUnit unit,
                                 const fs::path& folder) {
   std::vector<engine::BopModel> of_bop;
-  for (const Model* model : models)
-    of_bop.push_back({model->name, model->vertices, model->triangles, model->symmetry});
+  for (const auto& [model, surface] : models)
+    of_bop.push_back({model.name, surface.vertices, surface.triangles, model.symmetry});
   TRIVET_TRY_ASSIGN(std::vector<ManifestModel> entries,
                     engine::write_bop_models(of_bop, unit, unit, folder));
   Manifest manifest;
@@ -58,7 +64,7 @@ Result<fs::path> write_data_set(std::span<const Model* const> models, LengthUnit
 Result<std::vector<fs::path>> export_models(const Library& library,
                                             std::span<const std::string> names,
                                             SurfaceFormat format, const fs::path& folder) {
-  TRIVET_TRY_ASSIGN(const std::vector<const Model*> models, models_named(library, names));
+  TRIVET_TRY_ASSIGN(const std::vector<Exported> models, models_named(library, names));
   TRIVET_TRY(make_folder(folder));
   const LengthUnit unit = library.header.unit;
   std::vector<fs::path> files;
@@ -67,8 +73,8 @@ Result<std::vector<fs::path>> export_models(const Library& library,
     files.push_back(std::move(file));
     return files;
   }
-  for (const Model* model : models) {
-    TRIVET_TRY_ASSIGN(fs::path file, write_surface(*model, unit, format, folder));
+  for (const Exported& exported : models) {
+    TRIVET_TRY_ASSIGN(fs::path file, write_surface(exported, unit, format, folder));
     files.push_back(std::move(file));
   }
   return files;

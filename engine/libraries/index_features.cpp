@@ -210,9 +210,8 @@ FeatureLevel in_memory(const LevelInPieces& made) {
 Result<FeatureIndex> index_features(const Library& library) {
   std::vector<FeaturesOfModel> features;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    TRIVET_TRY(library.check(m, ModelPart::features));
-    for (const TriSpinFeatures& at_scale : library.models[m].features)
-      features.push_back({m, at_scale});
+    TRIVET_TRY_ASSIGN(const ModelFeatures* const of_model, library.features(m));
+    for (const TriSpinFeatures& at_scale : of_model->features) features.push_back({m, at_scale});
   }
   const Indexer indexer({features, {}});
   FeatureIndex levels;

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "engine/common/check_models.hpp"
+#include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
 
 namespace trivet::engine {
@@ -34,23 +34,24 @@ std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> fra
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
   std::vector<std::uint32_t> all(library.models.size());
   std::iota(all.begin(), all.end(), 0U);
-  TRIVET_TRY(check_models(library, all, ModelPart::samples));
+  TRIVET_TRY_ASSIGN(const std::vector<const ModelSamples*> models, samples_of(library, all));
   std::vector<kernels::ShapeFrame> frames(all.size());
-  for_each_index(all.size(), [&](std::size_t m) {
-    frames[m] = kernels::shape_frame(library.models[m].samples);
-  });
+  for_each_index(all.size(),
+                 [&](std::size_t m) { frames[m] = kernels::shape_frame(models[m]->samples); });
   return frames;
 }
 
-std::vector<LookAlike> find_look_alikes(const Library& library,
-                                        std::span<const kernels::ShapeFrame> frames,
-                                        std::uint32_t model) {
-  const Model& own = library.models[model];
-  const kernels::ShapeAligner aligner(own.samples, own.sample_normals, frames[model], own.diameter);
+Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
+                                                std::span<const kernels::ShapeFrame> frames,
+                                                std::uint32_t model) {
+  const float diameter = library.models[model].diameter;
+  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
+  const kernels::ShapeAligner aligner(own->samples, own->sample_normals, frames[model], diameter);
   std::vector<std::pair<float, LookAlike>> found;
-  for (const std::uint32_t m : spread_alike(frames, model, own.diameter)) {
+  for (const std::uint32_t m : spread_alike(frames, model, diameter)) {
     check_stop();
-    for (const auto& [T_this_other, distance] : aligner.align(library.models[m].samples, frames[m]))
+    TRIVET_TRY_ASSIGN(const ModelSamples* const other, library.samples(m));
+    for (const auto& [T_this_other, distance] : aligner.align(other->samples, frames[m]))
       found.emplace_back(distance, LookAlike{m, T_this_other});
   }
   std::stable_sort(found.begin(), found.end(),

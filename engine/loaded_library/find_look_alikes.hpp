@@ -16,8 +16,7 @@ struct LookAlike {
   Pose T_model_other = Pose::Identity();
 };
 
-/// Shape frames by model of the library; checks all samples. Errors: bad_data (the samples of a
-/// model are damaged).
+/// Shape frames by model of the library. Errors: bad_data (the samples of a model are damaged).
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
 
 /// Find models whose surface comes near this model's surface, among those with the most similar
@@ -25,9 +24,9 @@ Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
 /// similar ones come first, at most forty.
 ///
 /// frames  as returned by shape_frames
-/// Same bytes for any number of threads.
-std::vector<LookAlike> find_look_alikes(const Library& library,
-                                        std::span<const kernels::ShapeFrame> frames,
-                                        std::uint32_t model);
+/// Same bytes for any number of threads. Errors: as for shape_frames.
+Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
+                                                std::span<const kernels::ShapeFrame> frames,
+                                                std::uint32_t model);
 
 }  // namespace trivet::engine

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kSurfaceShare = 4;  // ray-tracing trees may use a fourth of the memory
 
-using LookAlikes = engine::MadeOnce<std::vector<engine::LookAlike>>;
+using LookAlikes = engine::MadeOnce<Result<std::vector<engine::LookAlike>>>;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ struct Recognizer::Parts {
       : surfaces(memory.bytes / kSurfaceShare), look_alikes(new LookAlikes[num_models]) {}
 
   engine::SurfaceCache surfaces;
-  engine::MadeOnce<Result<FeatureIndex>> index;
+  engine::MadeOnce<Result<FeatureLevels>> index;
   engine::MadeOnce<Result<std::vector<kernels::ShapeFrame>>> frames;
   std::unique_ptr<LookAlikes[]> look_alikes;
 };
@@ -39,24 +39,26 @@ Recognizer::~Recognizer() = default;
 
 Result<std::shared_ptr<const kernels::RayScene>> Recognizer::surface(std::uint32_t model) const {
   return parts_->surfaces.get(model, [&]() -> Result<kernels::RayScene> {
-    const Model& m = library_.models[model];
-    const ModelPart part = m.triangles.empty() ? ModelPart::samples : ModelPart::surface;
-    TRIVET_TRY(library_.check(model, part));
-    if (m.triangles.empty())
-      return kernels::RayScene::from_discs(m.samples, m.sample_normals,
-                                           kernels::kCloudRadius * m.sample_spacing);
-    return kernels::RayScene::from_mesh(m.vertices, m.triangles);
+    if (library_.shape(model).num_triangles == 0) {
+      TRIVET_TRY_ASSIGN(const ModelSamples* const own, library_.samples(model));
+      return kernels::RayScene::from_discs(
+          own->samples, own->sample_normals,
+          kernels::kCloudRadius * library_.models[model].sample_spacing);
+    }
+    TRIVET_TRY_ASSIGN(const ModelSurface* const own, library_.surface(model));
+    return kernels::RayScene::from_mesh(own->vertices, own->triangles);
   });
 }
 
 // Data computed from all models serves all scenes. Its computation completes even if the first
 // caller is asked to stop; if each caller restarted it, it would never finish.
 
-Result<const FeatureIndex*> Recognizer::features() const {
+Result<const FeatureLevels*> Recognizer::features() const {
   if (!library_.index.empty()) return &library_.index;
-  const Result<FeatureIndex>& index = parts_->index.get([&] {
+  const Result<FeatureLevels>& index = parts_->index.get([&]() -> Result<FeatureLevels> {
     const StopScope for_all(nullptr);
-    return engine::index_features(library_);
+    TRIVET_TRY_ASSIGN(FeatureIndex levels, engine::index_features(library_));
+    return FeatureLevels(std::move(levels));
   });
   if (!index) return index.error();
   return &*index;
@@ -68,8 +70,10 @@ Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint3
     return engine::shape_frames(library_);
   });
   if (!frames) return frames.error();
-  return &parts_->look_alikes[model].get(
+  const Result<std::vector<engine::LookAlike>>& found = parts_->look_alikes[model].get(
       [&] { return engine::find_look_alikes(library_, *frames, model); });
+  if (!found) return found.error();
+  return &*found;
 }
 
 void Recognizer::release_memory() const {

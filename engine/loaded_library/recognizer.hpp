@@ -42,8 +42,8 @@ class Recognizer {
   /// (damaged), internal (Embree's message).
   Result<std::shared_ptr<const kernels::RayScene>> surface(std::uint32_t model) const;
   /// The Tri-Spin-Images of all models. For files from before version 1.4 they are indexed on first
-  /// use. Each level must be checked before it is read. Errors: bad_data (damaged).
-  Result<const FeatureIndex*> features() const;
+  /// use. Errors: bad_data (damaged).
+  Result<const FeatureLevels*> features() const;
   /// Models that look like this one, determined on first use. Errors: bad_data.
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;
   /// Release pages of the mapped file beyond the bound, between scenes and between levels of the

@@ -14,6 +14,6 @@ inline constexpr float kRightRotationRad = 12 * std::numbers::pi_v<float> / 180;
 /// Whether two poses of a model are the same placement, that is, within the limits of a correct
 /// detection, modulo symmetry.
 /// Source: Drost et al., CVPR 2010, section 5.
-bool same_placement(const Model& model, const Pose& a, const Pose& b) noexcept;
+bool same_placement(const ModelInfo& model, const Pose& a, const Pose& b) noexcept;
 
 }  // namespace trivet::engine

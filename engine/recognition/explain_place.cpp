@@ -21,17 +21,15 @@ constexpr std::size_t kMostExplained = 20;  // models per place
 class Place {
  public:
   /// point  place in the scene's frame [library unit]
-  Place(const Library& library, const Eigen::Vector3f& point, float noise)
-      : library_(library), point_(point), noise_(noise) {}
+  Place(const Eigen::Vector3f& point, float noise) : point_(point), noise_(noise) {}
 
-  /// Whether a posed model reaches the place. Its samples must have been checked.
-  bool is_reached(std::uint32_t model, const Pose& T_scene_model, float share) const {
-    const Model& m = library_.models[model];
+  /// Whether a posed model reaches the place.
+  bool is_reached(const kernels::ModelSamples& m, const Pose& T_scene_model, float share) const {
     const Eigen::Vector3f point = T_scene_model.inverse() * point_;
     // The place may lie between samples of the surface.
-    const float reach = share * m.diameter + m.sample_spacing + kSigmas * noise_;
+    const float reach = share * m.diameter + m.spacing + kSigmas * noise_;
     if ((point - m.center).norm() > m.diameter + reach) return false;
-    const PointsView samples = m.samples;
+    const PointsView samples = m.points;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       if ((samples[i] - point).squaredNorm() <= reach * reach) return true;
     }
@@ -39,7 +37,6 @@ class Place {
   }
 
  private:
-  const Library& library_;
   const Eigen::Vector3f point_;
   const float noise_;
 };
@@ -61,14 +58,17 @@ auto furthest(const PoseTable& table, Row row) {
                     table.stage[row] == PoseStage::refined ? table.score[row] : table.votes[row]);
 }
 
-std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const Place& place) {
+std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const PoseVerifier& verifier,
+                                            const Place& place) {
   std::map<std::uint32_t, Nearby> nearby;
   for (Row row = 0; row < table.size(); ++row) {
     check_stop();
     const std::uint32_t model = table.model[row];
+    const kernels::ModelSamples& samples = verifier.tester(model).samples();
     const bool is_tested = table.stage[row] == PoseStage::examined;
-    const bool began_here = place.is_reached(model, table.T_proposed[row], kReach);
-    const bool ended_here = is_tested && place.is_reached(model, table.T_scene_model[row], kReach);
+    const bool began_here = place.is_reached(samples, table.T_proposed[row], kReach);
+    const bool ended_here =
+        is_tested && place.is_reached(samples, table.T_scene_model[row], kReach);
     if (!began_here && !ended_here) continue;
     Nearby& near = nearby[model];
     const auto last = static_cast<std::size_t>(std::min(table.stage[row], PoseStage::refined));
@@ -78,7 +78,7 @@ std::map<std::uint32_t, Nearby> find_nearby(const PoseTable& table, const Place&
       if (!near.given_up || furthest(table, row) > furthest(table, *near.given_up))
         near.given_up = row;
     } else if (table.fate[row] != PoseFate::given_up &&
-               place.is_reached(model, table.T_scene_model[row], kTouch)) {
+               place.is_reached(samples, table.T_scene_model[row], kTouch)) {
       keep_better(table, row,
                   table.fate[row] == PoseFate::detection ? near.detection : near.refused);
     }
@@ -107,8 +107,8 @@ Result<std::vector<ExplainedModel>> explain_place(const Library& library,
                                                   const PlaceQuestion& question, float least_score,
                                                   const PoseVerifier& verifier, PoseTable& table) {
   const Eigen::Vector3d point = scene.scale * *question.point;
-  const Place place(library, point.cast<float>(), scene.sensor.noise);
-  std::map<std::uint32_t, Nearby> nearby = find_nearby(table, place);
+  const Place place(point.cast<float>(), scene.sensor.noise);
+  std::map<std::uint32_t, Nearby> nearby = find_nearby(table, verifier, place);
   std::vector<std::uint32_t> models;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
     const bool is_asked =

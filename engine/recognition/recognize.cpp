@@ -96,7 +96,7 @@ Result<void> check_sizes(const Library& library, const Cloud& cloud, const Scene
   const auto scale = static_cast<float>(input.scale);
   const float extent = scale * size_of(cloud.points).norm();
   float smallest = std::numeric_limits<float>::infinity(), largest = 0;
-  for (const Model& model : library.models) {
+  for (const ModelInfo& model : library.models) {
     smallest = std::min(smallest, model.diameter);
     largest = std::max(largest, model.diameter);
   }

@@ -55,8 +55,7 @@ Result<void> check_methods(const Library& library, Method method) {
                              "{}, or recognize with --method fused",
                              library.file.string(), what, name)};
   };
-  const bool pairs =
-      std::ranges::any_of(library.models, [](const Model& model) { return model.has_pairs(); });
+  const bool pairs = library.has_pairs();
   if (library.models.empty()) return {};
   if (method == Method::ppf && !pairs) return refuse("point pairs", "ppf");
   if (method == Method::trisi && library.basis.components.size() == 0)
@@ -86,7 +85,7 @@ Result<std::vector<std::uint32_t>> find_models(const Library& library,
 ModelGroups group_by_step(const Library& library, std::span<const std::uint32_t> models) {
   ModelGroups groups;
   for (const std::uint32_t m : models)
-    groups[library.models[m].ppf.quantization.distance_step].push_back(m);
+    groups[library.shape(m).quantization.distance_step].push_back(m);
   return groups;
 }
 

@@ -127,7 +127,7 @@ ModelGroups SceneSearch::likely_models(std::size_t limit) const {
   std::ranges::sort(order);
   ModelGroups groups;
   for (const auto& [model, score] : order)
-    groups[library_.models[model].ppf.quantization.distance_step].push_back(model);
+    groups[library_.shape(model).quantization.distance_step].push_back(model);
   return groups;
 }
 
@@ -161,7 +161,7 @@ Result<void> SceneSearch::screen(std::span<const Proposals> proposals) {
   verifier_.screen(table_, rows);
   stats_.num_hypotheses += rows.size();
   const std::vector<Row> good = choose_of_each_model(
-      table_, rows, library_, [&](const Model& model, std::span<const Row> of_model) {
+      table_, rows, library_, [&](const ModelInfo& model, std::span<const Row> of_model) {
         return choose_to_judge(table_, of_model, model, plan_.pose.max_refined);
       });
   shortlist_.insert(shortlist_.end(), good.begin(), good.end());
@@ -183,7 +183,7 @@ Result<void> SceneSearch::test_best() {
     rows = extract_best(table_.score, judged, waiting_);
     verifier_.judge_contours(table_, rows);
     rows = choose_of_each_model(
-        table_, rows, library_, [&](const Model& model, std::span<const Row> of_model) {
+        table_, rows, library_, [&](const ModelInfo& model, std::span<const Row> of_model) {
           return choose_to_refine(table_, of_model, model, plan_.pose.max_refined);
         });
     rows = extract_best(table_.score, limits.refined, rows);
@@ -239,7 +239,7 @@ void SceneSearch::refine(std::span<const Row> rows) {
 
 std::vector<Row> SceneSearch::choose_to_examine(std::span<const Row> rows) {
   return choose_of_each_model(
-      table_, rows, library_, [&](const Model& model, std::span<const Row> of_model) {
+      table_, rows, library_, [&](const ModelInfo& model, std::span<const Row> of_model) {
         return engine::choose_to_examine(table_, of_model, model, plan_.pose.max_examined,
                                          plan_.limits.least_score);
       });

@@ -52,7 +52,7 @@ Result<std::vector<SettledPose>> settle(const Recognizer& recognizer, const Test
   }
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const bool is_beside_votes = options.votes_first && table.source[rows[k]] == Source::trisi &&
-                                 poses.library.models[table.model[rows[k]]].has_pairs();
+                                 poses.library.shape(table.model[rows[k]]).has_pairs();
     if (is_beside_votes)
       settled[k].pose.score = scale_odds(settled[k].pose.score, kOddsBesideVotes);
   }

@@ -108,7 +108,6 @@ std::map<std::uint32_t, std::vector<Row>> OtherAnswers::siblings_of(Row row, Row
 }
 
 Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) const {
-  const std::vector<Model>& models = poses_.library.models;
   const PoseTable& table = poses_.table;
   Row holder = row;
   for (const Refusal& refusal : selection_.refused) {
@@ -118,7 +117,8 @@ Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) co
   if (siblings.empty()) return {};
 
   const Pose& pose = settled.pose.T_scene_model;
-  const PoseTester tester(models[table.model[row]], poses_.scene, test_);
+  TRIVET_TRY_ASSIGN(const TestedModel tested, tested_model(poses_.library, table.model[row]));
+  const PoseTester tester(tested, poses_.scene, test_);
   const auto surface = recognizer_.surface(table.model[row]);
   if (!surface) return surface.error();
   kernels::CompareScratch scratch;
@@ -126,7 +126,7 @@ Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) co
   for (const auto& [sibling, rows] : siblings) {
     const auto other_surface = recognizer_.surface(sibling);
     if (!other_surface) return other_surface.error();
-    const kernels::ModelSamples samples = samples_of(models[sibling]);
+    TRIVET_TRY_ASSIGN(const TestedModel other_model, tested_model(poses_.library, sibling));
     // The pose chosen first at this place is at least as likely, by its score.
     const bool first =
         among_ == Among::few_models && holder != row && sibling == table.model[holder];
@@ -134,7 +134,7 @@ Result<void> OtherAnswers::share_with_siblings(Row row, SettledPose& settled) co
     for (const Row other : rows) {
       check_stop();
       const kernels::PoseComparison comparison = kernels::compare_poses(
-          poses_.scene.images, {**other_surface, samples, table.T_scene_model[other]},
+          poses_.scene.images, {**other_surface, other_model.samples, table.T_scene_model[other]},
           {**surface, tester.samples(), pose}, tester.errors_of(pose), tester.strict(pose),
           scratch);
       best = std::max(best, sibling_log_odds(other, row, comparison));

@@ -25,7 +25,7 @@ constexpr float kSure = 0.95F;
 float rank_of(const TestedPoses& poses, Row row, const SelectOptions& options) {
   const float score = poses.table.score[row];
   if (!options.by_pixels) return score;
-  const Model& model = poses.library.models[poses.table.model[row]];
+  const ModelInfo& model = poses.library.models[poses.table.model[row]];
   const float area = poses.table.test(row).examination.area * model.diameter * model.diameter;
   return score * std::pow(area, 0.25F);
 }

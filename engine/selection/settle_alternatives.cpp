@@ -200,7 +200,7 @@ class AmbiguityTest {
   }
 
   const PoseTester& tester_;
-  const Model& model_;
+  const ModelInfo& model_;
   const kernels::RayScene& surface_;
   const kernels::ScoreModel& score_;
   const TestedPoses& poses_;
@@ -215,7 +215,8 @@ Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const Test
   const std::uint32_t model = poses.table.model[row];
   const auto surface = recognizer.surface(model);
   if (!surface) return surface.error();
-  const PoseTester tester(poses.library.models[model], poses.scene, options);
+  TRIVET_TRY_ASSIGN(const TestedModel tested, tested_model(poses.library, model));
+  const PoseTester tester(tested, poses.scene, options);
   return AmbiguityTest(tester, **surface, recognizer.score(), poses).settled(row);
 }
 

@@ -33,15 +33,16 @@ std::vector<Row> rivals_of(Row chosen, const PoseTable& table, std::span<const R
 Result<Row> likelier(const Recognizer& recognizer, const TestedPoses& poses,
                      const PoseTestOptions& test, Row rival, Row winner,
                      kernels::CompareScratch& scratch) {
-  const std::vector<Model>& models = poses.library.models;
   const PoseTable& table = poses.table;
   const std::uint32_t a = table.model[rival], b = table.model[winner];
   const auto surface = recognizer.surface(a), other = recognizer.surface(b);
   if (!surface || !other) return surface ? other.error() : surface.error();
   const Pose& pose = table.T_scene_model[winner];
-  const PoseTester tester(models[b], poses.scene, test);
+  TRIVET_TRY_ASSIGN(const TestedModel rivaling, tested_model(poses.library, a));
+  TRIVET_TRY_ASSIGN(const TestedModel winning, tested_model(poses.library, b));
+  const PoseTester tester(winning, poses.scene, test);
   const kernels::PoseComparison comparison = kernels::compare_poses(
-      poses.scene.images, {**surface, samples_of(models[a]), table.T_scene_model[rival]},
+      poses.scene.images, {**surface, rivaling.samples, table.T_scene_model[rival]},
       {**other, tester.samples(), pose}, tester.errors_of(pose), tester.strict(pose), scratch);
   return rival_log_odds(table.score[rival], table.score[winner], comparison) > 0 ? rival : winner;
 }

@@ -30,7 +30,7 @@ using Known = std::map<std::string, ModelCopy, std::less<>>;
 
 void note_models(const Library& library, Known& known) {
   for (const ModelCopy& copy : copies_of(library)) {
-    const std::string& fingerprint = copy.model().fingerprint;
+    const std::string& fingerprint = copy.info().fingerprint;
     if (!fingerprint.empty()) known.emplace(fingerprint, copy);
   }
 }
@@ -65,21 +65,22 @@ Result<std::string> hash_of(const std::filesystem::path& file) {
 }
 
 ModelFacts facts_of(const ModelCopy& copy, ModelOrigin origin) {
-  const Model& model = copy.model();
+  const ModelInfo& model = copy.info();
+  const ModelShape shape = copy.library->shape(copy.index);
   ModelFacts facts;
   facts.name = copy.name;
   facts.origin = origin;
-  facts.num_vertices = model.vertices.size();
-  facts.num_triangles = model.triangles.size();
+  facts.num_vertices = shape.num_vertices;
+  facts.num_triangles = shape.num_triangles;
   facts.diameter = model.diameter;
   facts.num_symmetries = model.symmetry.poses.size();
   facts.num_near_symmetries = model.near_symmetries.size();
   facts.axis = model.symmetry.axis.has_value();
   facts.near_axis = model.near_axis.has_value();
   facts.declared = model.symmetry.declared;
-  facts.num_ppf_entries = model.ppf.entries.size();
-  facts.bytes = engine::stored_bytes(model);
-  for (const TriSpinFeatures& features : model.features) facts.num_features += features.size();
+  facts.num_ppf_entries = shape.num_ppf_entries;
+  facts.bytes = shape.bytes;
+  facts.num_features = shape.num_features();
   return facts;
 }
 
@@ -174,7 +175,7 @@ Result<void> TrainingRun::State::find_staying() {
 /// The later one must not replace the other unless the user requests it.
 Result<void> TrainingRun::State::check_replaced() const {
   if (!old || request.prune) return {};
-  for (const Model& model : old->models) {
+  for (const ModelInfo& model : old->models) {
     const auto source = std::ranges::lower_bound(sources(), model.name, {}, &ModelSource::name);
     if (source == sources().end() || source->name != model.name || !source->named_by_file) continue;
     const auto index = static_cast<std::size_t>(source - sources().begin());
@@ -298,7 +299,7 @@ const JobOutcome* TrainingRun::State::outcome_of(const ModelCopy& copy) const {
 TrainReport TrainingRun::State::report_on(const std::vector<ModelCopy>& models) const {
   TrainReport report;
   std::vector<float> diameters;
-  for (const ModelCopy& copy : models) diameters.push_back(copy.model().diameter);
+  for (const ModelCopy& copy : models) diameters.push_back(copy.info().diameter);
   const std::vector<std::string> sizes = engine::warn_of_sizes(diameters, request.unit);
   for (std::size_t m = 0; m < models.size(); ++m) {
     const bool is_kept = old && models[m].library == &*old;
@@ -326,8 +327,8 @@ bool TrainingRun::State::is_as_it_was(const std::vector<ModelCopy>& models) cons
   return old && old->version_minor == kLibraryVersionMinor && old->header == header &&
          models.size() == old->models.size() &&
          std::ranges::all_of(models, [&](const ModelCopy& copy) {
-           return copy.library == &*old && copy.name == copy.model().name &&
-                  copy.source == copy.model().source;
+           return copy.library == &*old && copy.name == copy.info().name &&
+                  copy.source == copy.info().source;
          });
 }
 

@@ -144,17 +144,4 @@ Result<void> PartWriter::close() {
   return published;
 }
 
-std::uint64_t stored_bytes(const Model& model) {
-  constexpr std::uint64_t kPoint = 3 * sizeof(float);
-  std::uint64_t bytes = kPoint * (model.vertices.size() + model.triangles.size() +
-                                  2 * model.samples.size() + 2 * model.ppf_points.size()) +
-                        std::span(model.sample_views).size_bytes() +
-                        model.ppf.offsets.size_bytes() + model.ppf.entries.size_bytes();
-  for (const TriSpinFeatures& features : model.features) {
-    bytes += kPoint * features.size() + std::span(features.frames).size_bytes() +
-             std::span(features.codes).size_bytes();
-  }
-  return bytes;
-}
-
 }  // namespace trivet::engine

@@ -80,7 +80,4 @@ class PartWriter {
   KeepingTime time_;
 };
 
-/// Approximate size of a model in a file [bytes].
-std::uint64_t stored_bytes(const Model& model);
-
 }  // namespace trivet::engine

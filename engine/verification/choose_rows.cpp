@@ -20,7 +20,7 @@ constexpr float kSameRotationRad = 0.035F;
 /// Choice of poses from the first on, with a limit per place on its part of the budget.
 class Spread {
  public:
-  Spread(const PoseTable& table, const Model& model, std::size_t limit_a_place)
+  Spread(const PoseTable& table, const ModelInfo& model, std::size_t limit_a_place)
       : table_(table), model_(model), limit_a_place_(limit_a_place) {}
 
   /// Add rows with scores above a minimum in this order, until there are `limit` in total.
@@ -42,14 +42,14 @@ class Spread {
 
  private:
   const PoseTable& table_;
-  const Model& model_;
+  const ModelInfo& model_;
   std::size_t limit_a_place_;
   std::vector<Row> chosen_;
   std::vector<Eigen::Vector3f> centers_;
 };
 
 std::vector<Row> without_repetitions(PoseTable& table, std::span<const Row> rows,
-                                     const Model& model) {
+                                     const ModelInfo& model) {
   std::vector<Row> kept;
   for (const Row row : by_falling(table.score, rows)) {
     const auto known = std::ranges::find_if(kept, [&](Row other) {
@@ -71,7 +71,7 @@ std::vector<Row> without_repetitions(PoseTable& table, std::span<const Row> rows
 
 std::vector<Row> choose_of_each_model(
     const PoseTable& table, std::span<const Row> rows, const Library& library,
-    const std::function<std::vector<Row>(const Model&, std::span<const Row>)>& choose) {
+    const std::function<std::vector<Row>(const ModelInfo&, std::span<const Row>)>& choose) {
   std::map<std::uint32_t, std::vector<Row>> by_model;
   for (const Row row : rows) by_model[table.model[row]].push_back(row);
   std::vector<std::pair<const std::uint32_t, std::vector<Row>>*> all;
@@ -87,7 +87,7 @@ std::vector<Row> choose_of_each_model(
 }
 
 std::vector<Row> choose_to_judge(const PoseTable& table, std::span<const Row> rows,
-                                 const Model& model, std::size_t max_refined) {
+                                 const ModelInfo& model, std::size_t max_refined) {
   Spread first(table, model, kContourShare * kRefinedAPlace);
   first.add(by_falling(table.share, rows), 0, max_refined / 2);
   first.add(by_falling(table.score, rows), 0, kContourShare * max_refined);
@@ -95,15 +95,16 @@ std::vector<Row> choose_to_judge(const PoseTable& table, std::span<const Row> ro
 }
 
 std::vector<Row> choose_to_refine(const PoseTable& table, std::span<const Row> rows,
-                                  const Model& model, std::size_t max_refined) {
+                                  const ModelInfo& model, std::size_t max_refined) {
   Spread best(table, model, kRefinedAPlace);
   best.add(by_falling(table.score, rows), 0, max_refined - max_refined / 2);
   best.add(by_falling(table.share, rows), 0, max_refined);
   return std::move(best).chosen();
 }
 
-std::vector<Row> choose_to_examine(PoseTable& table, std::span<const Row> rows, const Model& model,
-                                   std::size_t max_examined, float least_score) {
+std::vector<Row> choose_to_examine(PoseTable& table, std::span<const Row> rows,
+                                   const ModelInfo& model, std::size_t max_examined,
+                                   float least_score) {
   const std::vector<Row> poses = without_repetitions(table, rows, model);
   Spread best(table, model, kExaminedAPlace);
   best.add(by_falling(table.score, poses), least_score, max_examined);

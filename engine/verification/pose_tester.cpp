@@ -22,15 +22,23 @@ constexpr float kCorrelated = 0.25F;
 
 }  // namespace
 
-kernels::ModelSamples samples_of(const Model& model) noexcept {
-  return {model.samples,        model.sample_normals, model.sample_views,
-          model.sample_spacing, model.diameter,       model.center};
+Result<TestedModel> tested_model(const Library& library, std::uint32_t model) {
+  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
+  const ModelInfo& info = library.models[model];
+  return TestedModel{info,
+                     {own->samples, own->sample_normals, own->sample_views, info.sample_spacing,
+                      info.diameter, info.center},
+                     library.shape(model).quantization.distance_step};
 }
 
-PoseTester::PoseTester(const Model& model, const PreparedScene& scene,
+PoseTester::PoseTester(const TestedModel& model, const PreparedScene& scene,
                        const PoseTestOptions& options)
-    : model_(model), scene_(scene), options_(options), samples_(samples_of(model)) {
-  if (options.background) background_ = background_planes(scene, model.diameter);
+    : model_(model.info),
+      scene_(scene),
+      options_(options),
+      samples_(model.samples),
+      distance_step_(model.distance_step) {
+  if (options.background) background_ = background_planes(scene, model_.diameter);
 }
 
 float PoseTester::range_of(const Pose& pose) const {
@@ -63,7 +71,7 @@ int PoseTester::edge_pixels(const Pose& pose) const {
 
 kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
-  loose.tolerance = std::max(0.75F * model_.ppf.quantization.distance_step, 3 * error_at(pose));
+  loose.tolerance = std::max(0.75F * distance_step_, 3 * error_at(pose));
   loose.plane_is_background = background_;
   return loose;
 }
@@ -72,7 +80,7 @@ Pose PoseTester::refined(const Pose& pose) const {
   const float tolerance = strict(pose).tolerance;
   kernels::RefineOptions sparse;
   sparse.num_samples = kRefineSamples;
-  sparse.first_gate = std::max(1.5F * model_.ppf.quantization.distance_step, 2 * tolerance);
+  sparse.first_gate = std::max(1.5F * distance_step_, 2 * tolerance);
   sparse.last_gate = tolerance;
   sparse.max_translation = 0.1F * model_.diameter;
   return refined(pose, sparse);

@@ -12,6 +12,8 @@
 #include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "kernels/verification/refine_pose.hpp"
+#include "storage/common/result.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::engine {
 
@@ -23,17 +25,25 @@ struct PoseTestOptions {
   bool operator==(const PoseTestOptions&) const = default;
 };
 
-/// A model's samples in the form that kernels expect.
-kernels::ModelSamples samples_of(const Model& model) noexcept;
+/// A model whose poses are tested. It refers to its library.
+struct TestedModel {
+  const ModelInfo& info;
+  kernels::ModelSamples samples;
+  float distance_step = 0;  ///< see PpfQuantization
+};
 
-/// Tests poses of one model. All arguments must outlive it. Its methods are thread-safe.
+/// A model of a library. Errors: bad_data (its samples are damaged).
+Result<TestedModel> tested_model(const Library& library, std::uint32_t model);
+
+/// Tests poses of one model, whose library must outlive it, as must the scene and the options. Its
+/// methods are thread-safe.
 class PoseTester {
  public:
-  PoseTester(const Model& model, const PreparedScene& scene, const PoseTestOptions& options);
+  PoseTester(const TestedModel& model, const PreparedScene& scene, const PoseTestOptions& options);
   PoseTester(const PoseTester&) = delete;
   PoseTester& operator=(const PoseTester&) = delete;
 
-  const Model& model() const noexcept { return model_; }
+  const ModelInfo& model() const noexcept { return model_; }
   const PreparedScene& scene() const noexcept { return scene_; }
   const kernels::ModelSamples& samples() const noexcept { return samples_; }
   /// Options to verify a refined pose: with the sensor's error at its range.
@@ -70,10 +80,11 @@ class PoseTester {
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
 
-  const Model& model_;
+  const ModelInfo& model_;
   const PreparedScene& scene_;
   const PoseTestOptions& options_;
   kernels::ModelSamples samples_;
+  float distance_step_;
   std::vector<std::uint8_t> background_;
 };
 

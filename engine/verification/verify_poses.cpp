@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/common/check_models.hpp"
+#include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
 
 namespace trivet::engine {
@@ -34,9 +34,11 @@ Result<void> PoseVerifier::prepare(std::span<const std::uint32_t> models) {
   std::ranges::sort(fresh);
   fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
   const Library& library = recognizer_.library();
-  TRIVET_TRY(check_models(library, fresh, ModelPart::samples));
-  for (const std::uint32_t m : fresh)
-    testers_[m] = std::make_unique<const PoseTester>(library.models[m], scene_, options_.test);
+  TRIVET_TRY(samples_of(library, fresh));  // in parallel
+  for (const std::uint32_t m : fresh) {
+    TRIVET_TRY_ASSIGN(const TestedModel model, tested_model(library, m));
+    testers_[m] = std::make_unique<const PoseTester>(model, scene_, options_.test);
+  }
   return {};
 }
 
@@ -157,7 +159,7 @@ Result<std::vector<kernels::JudgedRay>> PoseVerifier::judged_rays(std::uint32_t 
 /// Result by the samples that meet the scene, in place of the test by rays if that is switched off.
 TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose& pose,
                                            float score) const {
-  const Model& model = tester.model();
+  const ModelInfo& model = tester.model();
   const kernels::VerifyOptions strict = tester.strict(pose);
   TestedPose tested;
   tested.T_scene_model = pose;

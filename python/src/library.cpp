@@ -19,12 +19,7 @@ struct ModelHandle {
   std::shared_ptr<const Recognizer> recognizer;
   std::uint32_t index = 0;
 
-  const Model& model() const { return recognizer->library().models[index]; }
-  /// Verifies the checksums of parts that were not read before. Raises DataError.
-  const Model& checked(ModelPart part) const {
-    unwrap(recognizer->library().check(index, part));
-    return model();
-  }
+  const ModelInfo& model() const { return recognizer->library().models[index]; }
 };
 
 OpenLibrary open(const std::string& file, const std::string& calibration, std::uint32_t memory_mb,
@@ -47,7 +42,7 @@ ModelHandle find_model(const OpenLibrary& self, const std::string& name) {
 
 std::vector<std::string> names_of(const OpenLibrary& self) {
   std::vector<std::string> names;
-  for (const Model& model : self.library().models) names.push_back(model.name);
+  for (const ModelInfo& model : self.library().models) names.push_back(model.name);
   return names;
 }
 
@@ -57,15 +52,19 @@ py::object axis_of(const std::optional<Symmetry::Axis>& axis) {
                         vector_of(Eigen::Vector3f(axis->point).cast<double>()));
 }
 
-/// A property with columns, which are verified before the first read.
-template <class Get>
-auto columns(ModelPart part, Get&& get) {
+/// A property with columns of a part, which is verified when it is first read. Raises DataError.
+///
+/// part  member of Library that gives it
+template <class Part, class Get>
+auto columns(Result<const Part*> (Library::*part)(std::uint32_t) const, Get&& get) {
   return [part, get](const py::object& self) -> py::object {
-    return get(self.cast<const ModelHandle&>().checked(part), self);
+    const auto& handle = self.cast<const ModelHandle&>();
+    const Part* const read = unwrap((handle.recognizer->library().*part)(handle.index));
+    return get(*read, self);
   };
 }
 
-py::list features_of(const Model& model, const py::object& owner) {
+py::list features_of(const ModelFeatures& model, const py::object& owner) {
   py::list levels;
   for (const TriSpinFeatures& features : model.features) {
     py::dict level;
@@ -81,7 +80,7 @@ py::list features_of(const Model& model, const py::object& owner) {
   return levels;
 }
 
-py::dict pairs_of(const Model& model, const py::object& owner) {
+py::dict pairs_of(const ModelPairs& model, const py::object& owner) {
   const PpfTableView& table = model.ppf;
   const std::span<const PpfEntry> entries = table.entries;
   py::dict out;
@@ -121,28 +120,29 @@ void add_model(py::module_& module) {
           [](const Handle& self) { return matrices_of(self.model().near_symmetries); })
       .def_property_readonly("near_axis",
                              [](const Handle& self) { return axis_of(self.model().near_axis); })
-      .def_property_readonly("vertices", columns(ModelPart::surface,
-                                                 [](const Model& m, auto& self) {
+      .def_property_readonly("vertices", columns(&Library::surface,
+                                                 [](const ModelSurface& m, auto& self) {
                                                    return rows_within(m.vertices, self);
                                                  }))
-      .def_property_readonly("triangles", columns(ModelPart::surface,
-                                                  [](const Model& m, auto& self) {
+      .def_property_readonly("triangles", columns(&Library::surface,
+                                                  [](const ModelSurface& m, auto& self) {
                                                     return rows_within(m.triangles, self);
                                                   }))
-      .def_property_readonly("samples", columns(ModelPart::samples,
-                                                [](const Model& m, auto& self) {
+      .def_property_readonly("samples", columns(&Library::samples,
+                                                [](const ModelSamples& m, auto& self) {
                                                   return rows_within(m.samples, self);
                                                 }))
-      .def_property_readonly("sample_normals", columns(ModelPart::samples,
-                                                       [](const Model& m, auto& self) {
+      .def_property_readonly("sample_normals", columns(&Library::samples,
+                                                       [](const ModelSamples& m, auto& self) {
                                                          return rows_within(m.sample_normals, self);
                                                        }))
       .def_property_readonly(
-          "pairs",
-          columns(ModelPart::pairs, [](const Model& m, auto& self) { return pairs_of(m, self); }))
-      .def_property_readonly(
-          "features", columns(ModelPart::features,
-                              [](const Model& m, auto& self) { return features_of(m, self); }));
+          "pairs", columns(&Library::pairs,
+                           [](const ModelPairs& m, auto& self) { return pairs_of(m, self); }))
+      .def_property_readonly("features",
+                             columns(&Library::features, [](const ModelFeatures& m, auto& self) {
+                               return features_of(m, self);
+                             }));
 }
 
 }  // namespace

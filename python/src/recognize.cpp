@@ -101,12 +101,13 @@ Result<std::vector<EvaluationMesh>> found_meshes(const Recognized& self) {
   const Library& library = self.recognizer->library();
   std::vector<EvaluationMesh> meshes;
   for (std::uint32_t m = 0; m < library.models.size(); ++m) {
-    const Model& model = library.models[m];
+    const ModelInfo& model = library.models[m];
     const bool found = std::ranges::any_of(
         self.result.detections, [&](const Detection& one) { return one.model == model.name; });
     if (!found) continue;
-    TRIVET_TRY(library.check(m, ModelPart::surface));
-    meshes.push_back({model.name, model.vertices, model.triangles, model.diameter, model.symmetry});
+    TRIVET_TRY_ASSIGN(const ModelSurface* const surface, library.surface(m));
+    meshes.push_back(
+        {model.name, surface->vertices, surface->triangles, model.diameter, model.symmetry});
   }
   return meshes;
 }
@@ -120,7 +121,7 @@ Result<Drawing> draw(const Recognized& self) {
   const Result<std::vector<EvaluationMesh>> meshes = found_meshes(self);
   if (!meshes) return meshes.error();
   float largest = 0;
-  for (const Model& model : self.recognizer->library().models)
+  for (const ModelInfo& model : self.recognizer->library().models)
     largest = std::max(largest, model.diameter);
   Result<SceneDrawing> drawing =
       SceneDrawing::prepare(*self.scene.cloud, self.scene.input, largest);

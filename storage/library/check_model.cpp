@@ -53,7 +53,7 @@ std::string check_ranks(std::string_view name, std::span<const std::uint32_t> mo
   return good ? std::string() : fmt::format("{}: expected numbers below {}", name, num_models);
 }
 
-std::string check_scalars(const Model& model) {
+std::string check_scalars(const ModelInfo& model) {
   if (!std::isfinite(model.diameter) || model.diameter <= 0) {
     return fmt::format("diameter: expected a positive length, found {}", model.diameter);
   }
@@ -95,7 +95,7 @@ std::string check_near_symmetries(const std::vector<Pose>& motions) {
   return check_motions("near_symmetries", motions);
 }
 
-std::string check_triangles(const Model& model) {
+std::string check_triangles(const ModelSurface& model) {
   const TrianglesView& triangles = model.triangles;
   if (triangles.b.size() != triangles.size() || triangles.c.size() != triangles.size()) {
     return "triangles: expected three columns of one length";
@@ -233,7 +233,7 @@ std::string check_features(std::string_view group, const TriSpinFeatures& featur
 
 /// The first fault that a check finds in the features of a model.
 template <class Check>
-std::string at_each_scale(const Model& model, Check&& check) {
+std::string at_each_scale(const ModelFeatures& model, Check&& check) {
   for (std::size_t k = 0; k < model.features.size(); ++k) {
     if (std::string wrong = check(kFeatureGroups[k], model.features[k]); !wrong.empty())
       return wrong;
@@ -250,7 +250,7 @@ std::string check_numbers(std::string_view name, std::span<const float> numbers)
 }
 
 /// Without any view, no sample would ever be tested, and the model never be found.
-std::string check_views(const Model& model) {
+std::string check_views(const ModelSamples& model) {
   const std::span<const ViewMask> views = model.sample_views;
   std::string wrong = check_length("sample_views", views.size(), model.samples.size());
   if (!wrong.empty()) return wrong;
@@ -286,12 +286,13 @@ Result<void> check_basis(const TriSpinBasis& basis) {
 
 namespace {
 
-using Check = std::string (*)(const Model&);
-
-Result<void> run(const Model& model, std::initializer_list<Check> checks) {
-  for (const Check check : checks) {
-    if (const std::string wrong = check(model); !wrong.empty())
-      return Error{ErrorCode::bad_data, fmt::format("model '{}': {}", model.name, wrong)};
+/// Run checks of a model's data, until the first one that finds a fault.
+template <class Data>
+Result<void> run(std::string_view name, const Data& data,
+                 std::initializer_list<std::string (*)(const Data&)> checks) {
+  for (const auto check : checks) {
+    if (const std::string wrong = check(data); !wrong.empty())
+      return Error{ErrorCode::bad_data, fmt::format("model '{}': {}", name, wrong)};
   }
   return {};
 }
@@ -304,8 +305,8 @@ Result<void> check_traits(const Model& model) {
                  fmt::format("model name '{}': expected {}; rename the model with NAME=FILE",
                              model.name, kModelNameRule)};
   }
-  return run(
-      model,
+  return run<Model>(
+      model.name, model,
       {[](const Model& m) { return check_scalars(m); },
        [](const Model& m) { return check_axis("symmetry axis", m.symmetry.axis); },
        [](const Model& m) { return check_motions("symmetry_poses", m.symmetry.poses); },
@@ -319,34 +320,38 @@ Result<void> check_traits(const Model& model) {
        }});
 }
 
-Result<void> check_part(const Model& model, ModelPart part) {
+Result<void> check_part(std::string_view name, const ModelColumns& columns, ModelPart part) {
   switch (part) {
     case ModelPart::surface:
-      return run(model, {[](const Model& m) { return check_points("vertices", m.vertices); },
-                         [](const Model& m) { return check_triangles(m); }});
+      return run<ModelSurface>(
+          name, columns,
+          {[](const ModelSurface& m) { return check_points("vertices", m.vertices); },
+           [](const ModelSurface& m) { return check_triangles(m); }});
     case ModelPart::samples:
-      return run(model,
-                 {[](const Model& m) { return check_points("samples", m.samples); },
-                  [](const Model& m) {
-                    return check_length("sample_normals", m.sample_normals.size(),
-                                        m.samples.size());
-                  },
-                  [](const Model& m) { return check_normals("sample_normals", m.sample_normals); },
-                  [](const Model& m) { return check_views(m); }});
+      return run<ModelSamples>(
+          name, columns,
+          {[](const ModelSamples& m) { return check_points("samples", m.samples); },
+           [](const ModelSamples& m) {
+             return check_length("sample_normals", m.sample_normals.size(), m.samples.size());
+           },
+           [](const ModelSamples& m) { return check_normals("sample_normals", m.sample_normals); },
+           [](const ModelSamples& m) { return check_views(m); }});
     case ModelPart::pairs:
-      return run(model, {[](const Model& m) { return check_points("ppf/points", m.ppf_points); },
-                         [](const Model& m) {
-                           return check_length("ppf/normals", m.ppf_normals.size(),
-                                               m.ppf_points.size());
-                         },
-                         [](const Model& m) { return check_normals("ppf/normals", m.ppf_normals); },
-                         [](const Model& m) { return check_table(m.ppf, m.ppf_points.size()); }});
+      return run<ModelPairs>(
+          name, columns,
+          {[](const ModelPairs& m) { return check_points("ppf/points", m.ppf_points); },
+           [](const ModelPairs& m) {
+             return check_length("ppf/normals", m.ppf_normals.size(), m.ppf_points.size());
+           },
+           [](const ModelPairs& m) { return check_normals("ppf/normals", m.ppf_normals); },
+           [](const ModelPairs& m) { return check_table(m.ppf, m.ppf_points.size()); }});
     case ModelPart::features:
-      return run(model, {[](const Model& m) {
-                   return at_each_scale(m, [](std::string_view group, const auto& features) {
-                     return check_features(group, features);
-                   });
-                 }});
+      return run<ModelFeatures>(name, columns, {[](const ModelFeatures& m) {
+                                  return at_each_scale(
+                                      m, [](std::string_view group, const auto& features) {
+                                        return check_features(group, features);
+                                      });
+                                }});
   }
   return {};
 }
@@ -354,7 +359,7 @@ Result<void> check_part(const Model& model, ModelPart part) {
 Result<void> check_model(const Model& model) {
   TRIVET_TRY(check_traits(model));
   for (const ModelPart part : kModelParts) {
-    TRIVET_TRY(check_part(model, part));
+    TRIVET_TRY(check_part(model.name, model, part));
   }
   return {};
 }

@@ -23,7 +23,6 @@ Result<Library> read_repacked(const std::filesystem::path& file) {
       parse_library(file, tree->root, tree->bytes, {tree, tree->bytes.data()});
   if (!library) return library;
   TRIVET_TRY(library->check_all());
-  library->checks.reset();
   if (library->version_minor > kLibraryVersionMinor) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: expected format {}.{} or an older one, found {}.{}, of which "

@@ -119,22 +119,75 @@ class LibraryWriter {
 
 class LibraryChecks;
 
+/// Extents of a level of the index, and the models that it describes.
+struct LevelShape {
+  float resolution = 0;                     ///< see FeatureLevel
+  std::span<const std::uint32_t> models{};  ///< indices of the models with features
+  std::size_t num_features = 0, code_bytes = 0;
+};
+
+/// Levels of an index, each of which is checked before it is given.
+class FeatureLevels {
+ public:
+  FeatureLevels() = default;
+  /// Levels of a library with this number of models.
+  ///
+  /// checks  null: the levels are trusted
+  explicit FeatureLevels(FeatureIndex levels, std::size_t num_models = 0,
+                         std::shared_ptr<const LibraryChecks> checks = {});
+
+  std::size_t size() const noexcept { return levels_ ? levels_->size() : 0; }
+  bool empty() const noexcept { return size() == 0; }
+  /// Pre: level < size(), as for `level`.
+  LevelShape shape(std::size_t level) const;
+  /// A level whose bytes have been compared with their checksums and whose values with their
+  /// bounds, once. Thread-safe. Errors: bad_data (names the dataset and the fault).
+  Result<const FeatureLevel*> level(std::size_t level) const;
+
+ private:
+  const FeatureLevel& at(std::size_t level) const;
+
+  std::shared_ptr<const FeatureIndex> levels_;
+  std::size_t num_models_ = 0;
+  std::shared_ptr<const LibraryChecks> checks_;
+};
+
 /// An open library. Its columns lie in the mapped file. Metadata of all models is checked on
-/// opening. Each part of a model and each level of the index must be checked before its first use.
+/// opening; each part of a model and each level of the index is checked when it is first asked for.
 /// So a library of thousands of models opens at once, and a scene pays only for what it uses.
+/// Copies share all data.
 struct Library {
+  Library() = default;
+  /// A library in memory, or what a reader found in a file.
+  ///
+  /// all_models  sorted by name
+  /// checks      null: the models are trusted
+  explicit Library(std::vector<Model> all_models, FeatureLevels levels = {},
+                   std::shared_ptr<const LibraryChecks> checks = {});
+
   std::filesystem::path file;
   LibraryHeader header;
   std::uint32_t version_minor = 0;  ///< minor version of the file's format
   std::uint64_t file_bytes = 0;
   TriSpinBasis basis;
-  std::vector<Model> models;                    ///< sorted by name
-  FeatureIndex index;                           ///< empty for files older than version 1.4
-  std::shared_ptr<const LibraryChecks> checks;  ///< null: models in memory are trusted
+  std::span<const ModelInfo> models;  ///< sorted by name; shared with copies of the library
+  FeatureLevels index;                ///< empty for files older than version 1.4
 
-  /// Compare the bytes with their checksums and the values with their bounds, once. Thread-safe.
-  /// Errors: bad_data (names the model, the dataset and the fault).
-  Result<void> check(std::uint32_t model, ModelPart part) const;
+  /// The extents of a model's columns. Pre: model < models.size(), as for all that follows.
+  ModelShape shape(std::uint32_t model) const;
+  /// Whether any model was trained with point pairs.
+  bool has_pairs() const noexcept;
+
+  /// Parts of a model, valid as long as the library or a copy of it. When a part is first asked
+  /// for, its bytes are compared with their checksums and its values with their bounds, once.
+  /// Thread-safe. Errors: bad_data (names the model, the dataset and the fault).
+  Result<const ModelSurface*> surface(std::uint32_t model) const;
+  Result<const ModelSamples*> samples(std::uint32_t model) const;
+  Result<const ModelPairs*> pairs(std::uint32_t model) const;
+  Result<const ModelFeatures*> features(std::uint32_t model) const;
+  /// A model with all its parts. Errors: as above, of the first damaged part.
+  Result<Model> model(std::uint32_t model) const;
+
   /// Check that the bytes of the file have not changed since opening: other processes may write it
   /// in place while it is mapped. Call before an answer is computed and before it is returned: 2
   /// us. If names or rights of the file changed, all data checked so far is compared with its
@@ -143,8 +196,6 @@ struct Library {
   Result<void> unchanged() const;
   /// As unchanged(), without comparing bytes: changes with a reset modification time go unnoticed.
   bool is_changed() const noexcept;
-  /// As check(), for a level of the index.
-  Result<void> check_level(std::size_t level) const;
   /// Start loading the bytes of a part that is not checked yet, while others are read.
   void ask_for(std::uint32_t model, ModelPart part) const noexcept;
   /// Check all parts of all models and all levels. Errors: those of the first fault.
@@ -152,6 +203,19 @@ struct Library {
   /// Release the memory of the file's pages if all mappings of the process exceed this size. Pages
   /// are loaded again when needed.
   void release_memory(std::uint64_t more_than) const;
+
+ private:
+  struct Contents {
+    std::vector<ModelInfo> infos;
+    std::vector<ModelColumns> columns;  // by model
+    std::shared_ptr<const LibraryChecks> checks;
+  };
+  const ModelColumns& columns_of(std::uint32_t model) const;
+  Result<void> check(std::uint32_t model, ModelPart part) const;
+  template <class Columns>
+  Result<const Columns*> checked(std::uint32_t model, ModelPart part) const;
+
+  std::shared_ptr<const Contents> contents_;  // null: empty
 };
 
 /// Open a library as a mapped file. Structure, extents and metadata of all models are checked.

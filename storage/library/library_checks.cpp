@@ -1,23 +1,10 @@
 #include "storage/library/library_checks.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <fstream>
 #include <utility>
 
 namespace trivet {
-namespace {
-
-/// Resident size of the files that the process maps.
-std::uint64_t mapped_bytes_in_memory() {
-  std::uint64_t all = 0, resident = 0, of_files = 0;
-  std::ifstream("/proc/self/statm") >> all >> resident >> of_files;
-  return of_files * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
-}
-
-}  // namespace
-
 LibraryChecks::LibraryChecks(std::filesystem::path file, FileBytes bytes, Held held,
                              const std::vector<ModelRecord>& models,
                              std::vector<LevelColumns> levels)
@@ -85,18 +72,19 @@ Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
                                                 wrong_checksum(column.checksum, found))};
 }
 
-Result<void> LibraryChecks::check(const Model& model, std::size_t index, ModelPart part) const {
+Result<void> LibraryChecks::check(const std::string& name, const ModelColumns& columns,
+                                  std::size_t index, ModelPart part) const {
   std::atomic<bool>& good = good_parts_[state_of(index, part)];
   if (good.load(std::memory_order_acquire)) return {};
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
     const auto& [spec, of_part] = format::kModelColumns[c];
     const StoredColumn& column = models_[index][c];
     if (of_part != part || column == StoredColumn{}) continue;  // absent in older files
-    const std::string place = fmt::format("/models/{}/{}{}{}", model.name, spec.group,
+    const std::string place = fmt::format("/models/{}/{}{}{}", name, spec.group,
                                           spec.group.empty() ? "" : "/", spec.name);
     TRIVET_TRY(check_bytes(column, place));
   }
-  if (const Result<void> checked = format::check_part(model, part); !checked) {
+  if (const Result<void> checked = format::check_part(name, columns, part); !checked) {
     return Error{ErrorCode::bad_data,
                  fmt::format("{}: {}", file_.string(), checked.error().message)};
   }
@@ -135,39 +123,6 @@ void LibraryChecks::ask_for(std::size_t index, ModelPart part) const noexcept {
 
 void LibraryChecks::release_memory() const noexcept {
   if (held_ == Held::mapped) release_pages(file_bytes_.bytes);
-}
-
-Result<void> Library::check(std::uint32_t model, ModelPart part) const {
-  return checks ? checks->check(models[model], model, part) : Result<void>();
-}
-
-Result<void> Library::unchanged() const { return checks ? checks->unchanged() : Result<void>(); }
-
-bool Library::is_changed() const noexcept { return checks && checks->is_changed(); }
-
-Result<void> Library::check_level(std::size_t level) const {
-  return checks && level < index.size() ? checks->check(index[level], level, models.size())
-                                        : Result<void>();
-}
-
-Result<void> Library::check_all() const {
-  for (std::uint32_t m = 0; m < models.size(); ++m) {
-    for (const ModelPart part : kModelParts) {
-      TRIVET_TRY(check(m, part));
-    }
-  }
-  for (std::size_t level = 0; level < index.size(); ++level) {
-    TRIVET_TRY(check_level(level));
-  }
-  return {};
-}
-
-void Library::ask_for(std::uint32_t model, ModelPart part) const noexcept {
-  if (checks) checks->ask_for(model, part);
-}
-
-void Library::release_memory(std::uint64_t more_than) const {
-  if (checks && mapped_bytes_in_memory() > more_than) checks->release_memory();
 }
 
 }  // namespace trivet

@@ -8,6 +8,7 @@
 #include <memory>
 #include <mutex>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "storage/files/file.hpp"
@@ -31,8 +32,10 @@ class LibraryChecks {
   LibraryChecks(std::filesystem::path file, FileBytes bytes, Held held,
                 const std::vector<ModelRecord>& models, std::vector<LevelColumns> levels);
 
-  /// See Library::check.
-  Result<void> check(const Model& model, std::size_t index, ModelPart part) const;
+  /// Check a part of a model once: see Library::surface.
+  Result<void> check(const std::string& name, const ModelColumns& columns, std::size_t index,
+                     ModelPart part) const;
+  /// See FeatureLevels::level.
   Result<void> check(const FeatureLevel& level, std::size_t index, std::size_t num_models) const;
   /// See Library::unchanged.
   Result<void> unchanged() const;
@@ -45,7 +48,7 @@ class LibraryChecks {
   void release_memory() const noexcept;
 
  private:
-  using ModelColumns = std::array<StoredColumn, format::kModelColumns.size()>;
+  using StoredColumns = std::array<StoredColumn, format::kModelColumns.size()>;
   std::size_t state_of(std::size_t model, ModelPart part) const noexcept {
     return model * kModelParts.size() + static_cast<std::size_t>(part);
   }
@@ -60,7 +63,7 @@ class LibraryChecks {
   std::filesystem::path file_;
   FileBytes file_bytes_;
   Held held_;
-  std::vector<ModelColumns> models_;
+  std::vector<StoredColumns> models_;
   std::vector<LevelColumns> levels_;
   /// Whether a part passed its check; false if it failed or was not checked yet. Two threads may
   /// check the same part: both get the same result.

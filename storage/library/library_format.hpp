@@ -316,9 +316,10 @@ std::string digest(const StoredGroup& group);
 /// unit normals. Linear in the size of the model. Errors: bad_data (names the model, the dataset
 /// and the row).
 Result<void> check_model(const Model& model);
-/// Subsets of check_model: the metadata checked on opening, and one part of the rest.
+/// Subsets of check_model: the metadata checked on opening, and one part of the columns.
 Result<void> check_traits(const Model& model);
-Result<void> check_part(const Model& model, ModelPart part);
+/// name  of the model, for errors
+Result<void> check_part(std::string_view name, const ModelColumns& columns, ModelPart part);
 
 /// Check the basis of a library. Errors: bad_data (names the dataset and the row).
 Result<void> check_basis(const TriSpinBasis& basis);

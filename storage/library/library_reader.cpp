@@ -164,24 +164,19 @@ std::vector<ModelRecord> read_records(GroupReader& reader, const StoredGroup& ro
 
 FileBytes bytes_of(const MappedFile& mapped) { return {mapped.bytes(), mapped.owner(), mapped}; }
 
-/// See parse_library.
-///
-/// own      bytes of the file with this tree
-/// columns  bytes of the file with the models' columns
-Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
-                      const FileBytes& columns, From from, Held held) {
-  GroupReader of_any_version(file, own.bytes);
-  const std::uint32_t minor = of_any_version.u32(root.attributes, "format_version_minor", "/");
-  if (of_any_version.fault()) return *of_any_version.fault();
-  GroupReader reader(file, own.bytes, minor);
-  Library out{file, {}, minor, own.bytes.size(), {}, {}, {}, {}};
-  out.header.producer = reader.text(root.attributes, "producer", "/");
-  out.header.parameters = reader.text(root.attributes, "parameters", "/");
-  const std::string unit = reader.text(root.attributes, "length_unit", "/");
+LibraryHeader read_header(GroupReader& reader, const StoredAttributes& root) {
+  LibraryHeader header;
+  header.producer = reader.text(root, "producer", "/");
+  header.parameters = reader.text(root, "parameters", "/");
+  const std::string unit = reader.text(root, "length_unit", "/");
   if (unit != "m" && unit != "mm")
     reader.refuse("/@length_unit", fmt::format("expected m or mm, found '{}'", unit));
-  out.header.unit = unit == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
+  header.unit = unit == "mm" ? LengthUnit::millimeter : LengthUnit::meter;
+  return header;
+}
 
+/// Check the tree against the checksum of the whole, and its groups against the format.
+void check_root(GroupReader& reader, const StoredGroup& root, From from) {
   std::map<std::string, std::string> children;
   for (const auto& [name, dataset] : root.datasets) children.emplace(name, format::digest(dataset));
   for (const auto& [name, group] : root.groups) {
@@ -197,57 +192,100 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
         fmt::format("expected {}, found {}: names or attributes were changed or are damaged",
                     expected, sum));
   }
-
-  const StoredGroup* const models = GroupReader::below(root, "models");
-  if (models == nullptr) reader.refuse("/models", "expected this group, found none");
+  if (GroupReader::below(root, "models") == nullptr)
+    reader.refuse("/models", "expected this group, found none");
   reader.expect_only(root, "/", {"models", "trisi", "directory", "index"}, "");
-  if (reader.fault()) return *reader.fault();
-  if (const StoredGroup* const basis = minor >= 3 ? GroupReader::below(root, "trisi") : nullptr) {
-    out.basis = read_basis(reader, *basis);
-    if (!reader.fault()) {
-      if (const auto good = format::check_basis(out.basis); !good) reader.refuse(good.error());
-    }
-  }
-  const std::size_t num_components = out.basis.components.size();
+}
+
+/// The metadata of as many models as the file says.
+std::vector<ModelRecord> read_counted_records(GroupReader& reader, const StoredGroup& root,
+                                              From from, std::size_t num_components,
+                                              std::uint64_t file_bytes) {
+  const StoredGroup& models = root.groups.at("models");
   const std::uint32_t count = reader.u32(root.attributes, "num_models", "/");
   const auto expect_count = [&](std::size_t num_groups) {
-    if (num_groups == count && models->datasets.empty()) return;
+    if (num_groups == count && models.datasets.empty()) return;
     reader.refuse("/models", fmt::format("expected {} groups, found {} and {} datasets", count,
-                                         num_groups, models->datasets.size()));
+                                         num_groups, models.datasets.size()));
   };
-  if (from != From::directory) expect_count(models->groups.size());
-  const std::vector<ModelRecord> records =
-      read_records(reader, root, from, num_components, columns.bytes.size());
+  if (from != From::directory) expect_count(models.groups.size());
+  std::vector<ModelRecord> records = read_records(reader, root, from, num_components, file_bytes);
   if (!reader.fault()) expect_count(records.size());
+  return records;
+}
+
+std::vector<Model> map_models(GroupReader& reader, std::span<const ModelRecord> records,
+                              const FileBytes& columns, std::size_t num_components) {
+  std::vector<Model> models;
+  for (const ModelRecord& record : records) {
+    models.push_back(map_model(record, columns.bytes, columns.owner, num_components));
+    if (const auto good = format::check_traits(models.back()); !good) reader.refuse(good.error());
+    if (reader.fault()) break;
+  }
+  return models;
+}
+
+FeatureIndex map_index(GroupReader& reader, std::span<const LevelRecord> levels,
+                       const FileBytes& own) {
+  FeatureIndex index;
+  for (const LevelRecord& level : levels) {
+    // These values select the levels that are read, so they are checked first.
+    const StoredColumn& with_features = level.columns.front();
+    const Xxh3 found = xxh3(own.bytes.subspan(with_features.offset, with_features.bytes));
+    if (found != with_features.checksum) {
+      reader.refuse(fmt::format("/index/{:02}/{}", index.size(), kLevelColumns.front().name),
+                    wrong_checksum(with_features.checksum, found));
+      break;
+    }
+    index.push_back(map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
+  }
+  return index;
+}
+
+/// See parse_library.
+///
+/// own      bytes of the file with this tree
+/// columns  bytes of the file with the models' columns
+Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileBytes& own,
+                      const FileBytes& columns, From from, Held held) {
+  GroupReader of_any_version(file, own.bytes);
+  const std::uint32_t minor = of_any_version.u32(root.attributes, "format_version_minor", "/");
+  if (of_any_version.fault()) return *of_any_version.fault();
+  GroupReader reader(file, own.bytes, minor);
+  LibraryHeader header = read_header(reader, root.attributes);
+  check_root(reader, root, from);
+  if (reader.fault()) return *reader.fault();
+  TriSpinBasis basis;
+  if (const StoredGroup* const group = minor >= 3 ? GroupReader::below(root, "trisi") : nullptr) {
+    basis = read_basis(reader, *group);
+    if (!reader.fault()) {
+      if (const auto good = format::check_basis(basis); !good) reader.refuse(good.error());
+    }
+  }
+  const std::size_t num_components = basis.components.size();
+  const std::vector<ModelRecord> records =
+      read_counted_records(reader, root, from, num_components, columns.bytes.size());
   // In a rewritten file, the index lies at other offsets.
   std::vector<LevelRecord> levels;
   const StoredGroup* const index = GroupReader::below(root, "index");
   if (index != nullptr && minor >= format::kDirectorySince) levels = read_index(reader, *index);
   if (reader.fault()) return *reader.fault();
 
-  for (const ModelRecord& record : records) {
-    out.models.push_back(map_model(record, columns.bytes, columns.owner, num_components));
-    if (const auto good = format::check_traits(out.models.back()); !good) {
-      reader.refuse(good.error());
-      return *reader.fault();
-    }
-  }
+  std::vector<Model> models = map_models(reader, records, columns, num_components);
+  if (reader.fault()) return *reader.fault();
+  FeatureIndex mapped_levels = map_index(reader, levels, own);
+  if (reader.fault()) return *reader.fault();
   std::vector<LevelColumns> level_columns;
-  for (const LevelRecord& level : levels) {
-    // These values select the levels that are read, so they are checked first.
-    const StoredColumn& with_features = level.columns.front();
-    const Xxh3 found = xxh3(own.bytes.subspan(with_features.offset, with_features.bytes));
-    if (found != with_features.checksum) {
-      reader.refuse(fmt::format("/index/{:02}/{}", out.index.size(), kLevelColumns.front().name),
-                    wrong_checksum(with_features.checksum, found));
-      return *reader.fault();
-    }
-    out.index.push_back(
-        map_level(level.resolution, level.stride, level.columns, own.bytes, own.owner));
-    level_columns.push_back(level.columns);
-  }
-  out.checks =
+  for (const LevelRecord& level : levels) level_columns.push_back(level.columns);
+  const auto checks =
       std::make_shared<const LibraryChecks>(file, columns, held, records, std::move(level_columns));
+  Library out(std::move(models), FeatureLevels(std::move(mapped_levels), records.size(), checks),
+              checks);
+  out.file = file;
+  out.header = std::move(header);
+  out.version_minor = minor;
+  out.file_bytes = own.bytes.size();
+  out.basis = std::move(basis);
   return out;
 }
 

@@ -29,13 +29,12 @@ const Recognizer& recognizer() {
     options.relative_step = 0.1F;
     options.num_samples = 256;
     options.tri_spin_images = false;
-    Library library;
-    library.header.unit = LengthUnit::millimeter;
-    library.basis = engine::standard_basis(options);
-    Result<TrainedModel> trained =
-        train_model(cloud, {"part", "part.ply", 1, {}}, options, library.basis);
+    TriSpinBasis basis = engine::standard_basis(options);
+    Result<TrainedModel> trained = train_model(cloud, {"part", "part.ply", 1, {}}, options, basis);
     require(trained.has_value(), "the library's part is a good one");
-    library.models.push_back(std::move(trained->model));
+    Library library({std::move(trained->model)});
+    library.header.unit = LengthUnit::millimeter;
+    library.basis = std::move(basis);
     return Recognizer(std::move(library));
   }();
   return made;

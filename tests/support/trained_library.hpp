@@ -17,16 +17,18 @@ namespace trivet::test {
 /// Pre: names are in ascending order.
 inline Library trained_library(const std::vector<std::pair<std::string, const Shape*>>& shapes,
                                const TrainOptions& options = {}) {
-  Library library;
   const auto source = [](const std::string& name) {
     return ModelSource{name, name + ".ply", 1, {}};
   };
-  library.basis = engine::standard_basis(options);
+  TriSpinBasis basis = engine::standard_basis(options);
+  std::vector<Model> models;
   for (const auto& [name, shape] : shapes) {
-    auto trained = train_model(cloud_of(*shape), source(name), options, library.basis);
+    auto trained = train_model(cloud_of(*shape), source(name), options, basis);
     EXPECT_TRUE(trained) << trained.error().message;
-    library.models.push_back(std::move(trained->model));
+    models.push_back(std::move(trained->model));
   }
+  Library library(std::move(models));
+  library.basis = std::move(basis);
   return library;
 }
 

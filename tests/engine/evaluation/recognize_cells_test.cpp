@@ -87,7 +87,7 @@ TEST_F(RecognizeCells, GivesWhatEachRecognitionGivesByItself) {
     ASSERT_TRUE(library);
     const Recognizer recognizer(std::move(*library));
     float diameter = 0;
-    for (const Model& model : recognizer.library().models) diameter += model.diameter / 2;
+    for (const ModelInfo& model : recognizer.library().models) diameter += model.diameter / 2;
     Result<Cloud> cloud = read_cloud(cells[i].scene.file, {.camera = cells[i].scene.camera});
     ASSERT_TRUE(cloud);
     ASSERT_TRUE(degrade_scene(*cloud, cells[i].degrade, diameter, cells[i].degrade_seed));

@@ -19,8 +19,9 @@ kernels::Hypothesis at(float x, float votes) {
 class ClusterProposals : public testing::Test {
  protected:
   ClusterProposals() {
-    library_.models.resize(2);
-    for (Model& model : library_.models) model.diameter = 1;
+    Model model;
+    model.diameter = 1;
+    library_ = Library({model, model});
   }
   Library library_;
   PoseTable table_;

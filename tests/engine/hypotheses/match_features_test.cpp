@@ -37,7 +37,7 @@ class MatchFeatures : public testing::Test {
     return match_features(library_.basis, levels_[0], {scene_, sample_, explained}, options);
   }
   static bool is_right(std::uint32_t m, const Pose& pose) {
-    const Model& model = library_.models[m];
+    const ModelInfo& model = library_.models[m];
     const auto distance = kernels::pose_distance(truth_[m], pose, model.symmetry, model.center);
     return distance.translation < 0.1F * model.diameter && distance.rotation_rad < 0.26F;
   }

@@ -81,8 +81,8 @@ TEST_P(ExportModels, AreTheSameWhenTrainedAndExportedAgain) {
     const Library again = trained_from(*files, folder_ / (number + ".h5"));
     ASSERT_EQ(again.models.size(), library_.models.size());
     const bool exact = format != SurfaceFormat::bop || GetParam() == LengthUnit::millimeter;
-    for (std::size_t m = 0; m < again.models.size(); ++m) {
-      const Model &one = library_.models[m], &other = again.models[m];
+    for (std::uint32_t m = 0; m < again.models.size(); ++m) {
+      const Model one = *library_.model(m), other = *again.model(m);
       EXPECT_EQ(other.name, one.name);
       EXPECT_TRUE(std::ranges::equal(other.triangles.a, one.triangles.a));
       EXPECT_TRUE(std::ranges::equal(other.triangles.c, one.triangles.c));

@@ -48,10 +48,11 @@ TEST_F(IndexFeatures, HoldsEveryFeatureOnceBesideItsKeypointAndFrame) {
   for (const Model& model : models_)
     for (const TriSpinFeatures& features : model.features) expected += features.size();
   for (std::size_t k = 0; k < library->index.size(); ++k) {
-    ASSERT_TRUE(library->check_level(k));
-    const FeatureLevel& level = library->index[k];
+    const auto read = library->index.level(k);
+    ASSERT_TRUE(read) << read.error().message;
+    const FeatureLevel& level = **read;
     if (k > 0) {
-      EXPECT_LT(library->index[k - 1].resolution, level.resolution);
+      EXPECT_LT(library->index.shape(k - 1).resolution, level.resolution);
     }
     for (std::size_t i = 0; i < level.size(); ++i) {
       const Model& model = models_[level.model[i]];
@@ -76,7 +77,8 @@ TEST_F(IndexFeatures, HoldsEachListByModelsAndRows) {
   const auto library = open_library(file());
   ASSERT_TRUE(library);
   std::size_t most_lists = 0;
-  for (const FeatureLevel& level : library->index) {
+  for (std::size_t n = 0; n < library->index.size(); ++n) {
+    const FeatureLevel& level = **library->index.level(n);
     const std::size_t stride = level.stride, num_lists = level.offsets.size() - 1;
     most_lists = std::max(most_lists, num_lists);
     const auto nearest = [&](std::size_t i) {
@@ -146,11 +148,12 @@ TEST_F(IndexFeatures, IsTheSameInWhateverOrderModelsWereAdded) {
   ASSERT_TRUE(a && b);
   ASSERT_EQ(a->index.size(), b->index.size());
   for (std::size_t k = 0; k < a->index.size(); ++k) {
-    EXPECT_TRUE(std::ranges::equal(a->index[k].centroids, b->index[k].centroids));
-    EXPECT_TRUE(std::ranges::equal(a->index[k].codes, b->index[k].codes));
-    EXPECT_TRUE(std::ranges::equal(a->index[k].model, b->index[k].model));
-    EXPECT_TRUE(std::ranges::equal(a->index[k].keypoints.z, b->index[k].keypoints.z));
-    EXPECT_TRUE(std::ranges::equal(a->index[k].frames, b->index[k].frames));
+    const FeatureLevel &one = **a->index.level(k), &other = **b->index.level(k);
+    EXPECT_TRUE(std::ranges::equal(one.centroids, other.centroids));
+    EXPECT_TRUE(std::ranges::equal(one.codes, other.codes));
+    EXPECT_TRUE(std::ranges::equal(one.model, other.model));
+    EXPECT_TRUE(std::ranges::equal(one.keypoints.z, other.keypoints.z));
+    EXPECT_TRUE(std::ranges::equal(one.frames, other.frames));
   }
 }
 
@@ -161,7 +164,7 @@ TEST_F(IndexFeatures, IsTheSameFromTheFileAndFromItsModels) {
   ASSERT_TRUE(built);
   ASSERT_EQ(built->size(), library->index.size());
   for (std::size_t k = 0; k < built->size(); ++k) {
-    const FeatureLevel &a = (*built)[k], &b = library->index[k];
+    const FeatureLevel &a = (*built)[k], &b = **library->index.level(k);
     EXPECT_EQ(a.resolution, b.resolution);
     EXPECT_TRUE(std::ranges::equal(a.models, b.models));
     EXPECT_TRUE(std::ranges::equal(a.codes, b.codes));
@@ -186,8 +189,8 @@ TEST_F(IndexFeatures, IsRefusedByNameWhereItIsDamaged) {
   {
     const auto library = open_library(file());
     ASSERT_TRUE(library);
-    const std::string_view codes(reinterpret_cast<const char*>(library->index[0].codes.data()),
-                                 library->index[0].codes.size());
+    const std::span<const std::uint8_t> column = (*library->index.level(0))->codes;
+    const std::string_view codes(reinterpret_cast<const char*>(column.data()), column.size());
     const std::size_t at = bytes.find(codes);
     ASSERT_NE(at, std::string::npos);
     bytes[at + 100] = static_cast<char>(bytes[at + 100] ^ 4);
@@ -195,12 +198,12 @@ TEST_F(IndexFeatures, IsRefusedByNameWhereItIsDamaged) {
   write_file(bytes);
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message << ": nothing of it was read yet";
-  const auto checked = library->check_level(0);
+  const auto checked = library->index.level(0);
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().code, ErrorCode::bad_data);
   EXPECT_NE(checked.error().message.find("/index/00/codes"), std::string::npos)
       << checked.error().message;
-  EXPECT_FALSE(library->check_level(0)) << "it stays damaged";
+  EXPECT_FALSE(library->index.level(0)) << "it stays damaged";
   EXPECT_FALSE(verify_library(file()));
 }
 

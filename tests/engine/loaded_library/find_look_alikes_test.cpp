@@ -37,7 +37,7 @@ class FindLookAlikes : public testing::Test {
 };
 
 TEST_F(FindLookAlikes, ReportsThePoseOfALookAlike) {
-  const std::vector<LookAlike> look_alikes = find_look_alikes(library_, frames_, 0);
+  const std::vector<LookAlike> look_alikes = *find_look_alikes(library_, frames_, 0);
   ASSERT_FALSE(look_alikes.empty());
   EXPECT_EQ(look_alikes[0].model, 1U) << "the alikest first";
   const auto error = kernels::pose_distance(look_alikes[0].T_model_other, move().inverse(), {},
@@ -51,7 +51,7 @@ TEST_F(FindLookAlikes, GivesTheSameBytesForAnyNumberOfThreads) {
   const auto poses = [](unsigned threads) {
     const ThreadLimit limit(threads);
     std::vector<float> out;
-    const auto found = find_look_alikes(library_, *shape_frames(library_), 1);
+    const auto found = *find_look_alikes(library_, *shape_frames(library_), 1);
     for (const LookAlike& look_alike : found) {
       const Eigen::Matrix4f pose = look_alike.T_model_other.matrix();
       out.push_back(static_cast<float>(look_alike.model));

@@ -11,15 +11,12 @@
 namespace trivet {
 namespace {
 
-Library one_model(Cloud cloud) {
-  Library library;
-  auto trained = train_model(cloud, {"bracket", "bracket.ply", 1, {}}, {});
-  library.models.push_back(std::move(trained->model));
-  return library;
+Model bracket() {
+  return train_model(test::cloud_of(test::bracket()), {"bracket", "bracket.ply", 1, {}}, {})->model;
 }
 
 TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
-  const Recognizer recognizer(one_model(test::cloud_of(test::bracket())));
+  const Recognizer recognizer(Library({bracket()}));
   std::vector<const void*> surfaces(64);
   engine::for_each_index(surfaces.size(),
                          [&](std::size_t i) { surfaces[i] = recognizer.surface(0)->get(); });
@@ -28,12 +25,10 @@ TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
 
 // The discs of a model without faces lie where its faces would, seen from every direction.
 TEST(Recognizer, StandsDiscsOnSamplesWhereThereAreNoFaces) {
-  Library library = one_model(test::cloud_of(test::bracket()));
-  const float spacing = library.models[0].sample_spacing;
-  Library faceless = library;
-  faceless.models[0].triangles = Triangles();
-  const Recognizer faces(std::move(library)), discs(std::move(faceless));
-  const Model& model = faces.library().models[0];
+  const Model model = bracket();
+  Model faceless = model;
+  faceless.triangles = Triangles();
+  const Recognizer faces(Library({model})), discs(Library({faceless}));
   std::size_t met = 0, close = 0;
   for (std::size_t i = 0; i < model.samples.size(); i += 7) {
     const Eigen::Vector3f from = model.samples[i] + model.diameter * model.sample_normals[i];
@@ -42,7 +37,7 @@ TEST(Recognizer, StandsDiscsOnSamplesWhereThereAreNoFaces) {
     const kernels::Hit b = (*discs.surface(0))->intersect(from, ray, 0, 2 * model.diameter);
     if (!a) continue;
     ++met;
-    close += b && std::abs(a.distance - b.distance) < spacing ? 1 : 0;
+    close += b && std::abs(a.distance - b.distance) < model.sample_spacing ? 1 : 0;
   }
   EXPECT_GT(met, 100U);
   EXPECT_GT(close, met * 95 / 100);

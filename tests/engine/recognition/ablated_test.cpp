@@ -50,14 +50,14 @@ class WithoutImprovement : public testing::Test {
   static void SetUpTestSuite() {
     const test::Shape bracket = test::bracket(), lever = test::lever();
     const test::Shape wall = test::box({-1, -1, 1.1F}, {1, 1, 1.2F});
-    Library library;
+    std::vector<Model> models;
     for (const auto& [name, shape] : {std::pair{"bracket", &bracket}, std::pair{"lever", &lever}}) {
       auto trained =
           train_model(test::cloud_of(*shape), {name, std::string(name) + ".ply", 1, {}}, {});
       ASSERT_TRUE(trained) << trained.error().message;
-      library.models.push_back(std::move(trained->model));
+      models.push_back(std::move(trained->model));
     }
-    recognizer_ = Recognizer(std::move(library));
+    recognizer_ = Recognizer(Library(std::move(models)));
     scene_ =
         test::render_scan({{&wall, Pose::Identity()},
                            {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.03F, 0.85F})},

@@ -83,7 +83,7 @@ TEST_F(LargeLibrary, IsSearchedWithinLimitsAndFindsTheVeryModels) {
   EXPECT_EQ(by_features.stats.num_votes, 0U);
 
   RecognizeOptions all_but_one{.budget = kHalf};
-  for (const Model& model : recognizer_.library().models) {
+  for (const ModelInfo& model : recognizer_.library().models) {
     if (model.name != names(kSecond)) all_but_one.models.push_back(model.name);
   }
   for (const Detection& detection : found(all_but_one).detections)

@@ -45,9 +45,7 @@ TEST_F(RecognizeAlternatives, NamesThePosesThatFitAlike) {
   auto trained = train_model(test::cloud_of(key), {"key", "key.ply", 1, {}}, {});
   ASSERT_TRUE(trained) << trained.error().message;
   ASSERT_FALSE(trained->model.near_symmetries.empty());
-  Library library;
-  library.models.push_back(std::move(trained->model));
-  const Recognizer recognizer(std::move(library));
+  const Recognizer recognizer(Library({std::move(trained->model)}));
   const Pose pose = test::pose_of({2.6F, 0.2F, 0.1F}, {0, 0, 0.8F});
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
   const auto open =
@@ -111,9 +109,7 @@ TEST_F(RecognizeAlternatives, TurnsAMugToItsHandleAndDoubtsTheTurnWhereThatIsHid
   auto trained = train_model(test::cloud_of(mug), {"mug", "mug.ply", 1, {}}, {});
   ASSERT_TRUE(trained) << trained.error().message;
   ASSERT_TRUE(trained->model.near_axis);
-  Library library;
-  library.models.push_back(std::move(trained->model));
-  const Recognizer recognizer(std::move(library));
+  const Recognizer recognizer(Library({std::move(trained->model)}));
   const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
   const auto pose_of = [](float turn) {
     return test::pose_of({1.9F, 0, 0}, {0, 0, 0.6F}) * test::pose_of({0, 0, turn}, {0, 0, 0});

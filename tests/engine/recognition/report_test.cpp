@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace trivet::engine {
 namespace {
@@ -12,7 +13,10 @@ namespace {
 class Report : public testing::Test {
  protected:
   Report() {
-    for (const char* name : {"nut", "bolt"}) library_.models.emplace_back().name = name;
+    std::vector<Model> models(2);
+    models[0].name = "nut";
+    models[1].name = "bolt";
+    library_ = Library(std::move(models));
     scene_.scale = 0.1;
     scene_.sensor.noise = 0.02F;
     scene_.sensor.range = 3;

@@ -3,25 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace trivet::engine {
 namespace {
 
-/// A library of this many models with two sampling steps, with or without features.
-Library library_of(std::size_t num_models, bool features = true) {
-  Library library;
-  if (features) library.basis.components.energies = {1};
+/// A library of this many models with two sampling steps, with or without features and pairs.
+Library library_of(std::size_t num_models, bool features = true, std::uint32_t num_bins = 0) {
+  std::vector<Model> models(num_models);
   for (std::size_t m = 0; m < num_models; ++m) {
-    Model& model = library.models.emplace_back();
-    model.name = "part_" + std::to_string(m);
-    model.ppf.quantization.distance_step = m % 2 == 0 ? 0.01F : 0.02F;
+    models[m].name = "part_" + std::to_string(m);
+    models[m].ppf.quantization.distance_step = m % 2 == 0 ? 0.01F : 0.02F;
+    models[m].ppf.quantization.num_distance_bins = num_bins;
   }
-  return library;
-}
-
-Library with_pairs(Library library) {
-  for (Model& model : library.models) model.ppf.quantization.num_distance_bins = 1;
+  Library library(std::move(models));
+  if (features) library.basis.components.energies = {1};
   return library;
 }
 
@@ -130,7 +127,7 @@ TEST(PlanSearch, VotesFirstWhereVotesReachEveryModel) {
 }
 
 TEST(PlanSearch, SearchesByOneMethodInEachRound) {
-  const SearchPlan votes = planned({.method = Method::ppf}, with_pairs(library_of(100))),
+  const SearchPlan votes = planned({.method = Method::ppf}, library_of(100, true, 1)),
                    matches = planned({.method = Method::trisi}, library_of(100));
   for (std::size_t round = 0; round < 2; ++round) {
     EXPECT_TRUE(votes.rounds[round].votes && !votes.rounds[round].matches);

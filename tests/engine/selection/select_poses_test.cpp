@@ -45,12 +45,12 @@ Rows all_rows(const PoseTable& table) {
 class SelectPoses : public testing::Test {
  protected:
   SelectPoses() {
-    for (const char* name : {"large", "small"}) {
-      Model model;
-      model.name = name;
-      model.diameter = 1;
-      library_.models.push_back(std::move(model));
-    }
+    Model large;
+    large.name = "large";
+    large.diameter = 1;
+    Model small = large;
+    small.name = "small";
+    library_ = Library({large, small});
     kernels::RangeImage image;
     image.geometry.fx = image.geometry.fy = 1;
     image.geometry.width = image.geometry.height = 10;

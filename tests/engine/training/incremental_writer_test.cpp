@@ -36,13 +36,14 @@ class IncrementalWriter : public test::LibraryTest {
                                                        std::move(sources));
   }
   std::shared_ptr<PackedModel> packed(std::size_t m) const {
-    return *pack_model(complete_.models[m], header_.unit, test::kRandomComponents);
+    return *pack_model(*complete_.model(static_cast<std::uint32_t>(m)), header_.unit,
+                       test::kRandomComponents);
   }
   /// The models found by the next run of the same command.
   std::vector<std::string> kept() const {
     std::vector<std::string> names;
     for (const Library& part : engine::recover_parts(engine::parts_folder(file()))) {
-      for (const Model& model : part.models) names.push_back(model.name);
+      for (const ModelInfo& model : part.models) names.push_back(model.name);
     }
     return names;
   }

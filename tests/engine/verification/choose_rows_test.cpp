@@ -13,8 +13,9 @@ using Rows = std::vector<Row>;
 class ChooseRows : public testing::Test {
  protected:
   ChooseRows() {
-    library_.models.resize(2);
-    for (Model& model : library_.models) model.diameter = 1;
+    Model model;
+    model.diameter = 1;
+    library_ = Library({model, model});
   }
   Row add(float x, float score, float share, std::uint32_t model = 0, Source source = Source::ppf) {
     Pose pose = Pose::Identity();
@@ -28,7 +29,7 @@ class ChooseRows : public testing::Test {
     for (Row row = 0; row < rows.size(); ++row) rows[row] = row;
     return rows;
   }
-  const Model& model() const { return library_.models[0]; }
+  const ModelInfo& model() const { return library_.models[0]; }
 
   Library library_;
   PoseTable table_;
@@ -83,14 +84,15 @@ TEST_F(ChooseRows, TreatsCopiesUnderASymmetryAsOnePlace) {
   add(0, 0.5F, 0);
   table_.T_scene_model[add(0, 0.4F, 0)] = turned;
   EXPECT_EQ(choose_to_examine(table_, all(), model(), 9, 0), (Rows{0, 1}));
-  library_.models[0].symmetry.poses = {turned};
-  EXPECT_EQ(choose_to_examine(table_, all(), model(), 9, 0), Rows{0});
+  ModelInfo symmetric = model();
+  symmetric.symmetry.poses = {turned};
+  EXPECT_EQ(choose_to_examine(table_, all(), symmetric, 9, 0), Rows{0});
 }
 
 TEST_F(ChooseRows, ChoosesOfEachModelForItself) {
   for (int k = 0; k < 4; ++k) add(static_cast<float>(k), 0.5F, 0, k % 2 == 0 ? 1 : 0);
   const Rows chosen = choose_of_each_model(
-      table_, all(), library_, [&](const Model& model, std::span<const Row> rows) {
+      table_, all(), library_, [&](const ModelInfo& model, std::span<const Row> rows) {
         EXPECT_EQ(&model, &library_.models[table_.model[rows[0]]]);
         return Rows{rows.back()};
       });

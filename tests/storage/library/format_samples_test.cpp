@@ -29,11 +29,11 @@ TEST(FormatSamples, AreReadCompletely) {
     EXPECT_EQ(file.filename().string(),
               fmt::format("library-{}.{}.h5", kLibraryVersionMajor, library->version_minor));
     ASSERT_EQ(library->models.size(), 1U);
-    const Model& model = library->models[0];
+    const Model model = *library->model(0);
     EXPECT_EQ(model.name, "marker_0");
     EXPECT_NEAR(model.diameter, 0.131F, 0.02F);
     EXPECT_GE(model.samples.size(), 100U);
-    EXPECT_TRUE(model.has_pairs());
+    EXPECT_TRUE(library->has_pairs());
     EXPECT_GT(model.ppf.entries.size(), 1000U);
     EXPECT_GT(model.features[0].size(), 100U);
   }

@@ -47,7 +47,7 @@ class LibraryChangedTest : public test::LibraryTest {
 TEST_F(LibraryChangedTest, StaysWhereAnotherGetsItsName) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library);
-  ASSERT_TRUE(library->check(0, ModelPart::samples));
+  ASSERT_TRUE(library->samples(0));
   EXPECT_TRUE(library->unchanged());
   write("new.h5", 2);
   fs::rename(folder() / "new.h5", file());
@@ -84,7 +84,7 @@ TEST_F(LibraryChangedTest, IsFoundChangedThoughItsTimeWasSetBack) {
   const Result<Library> library = open_library(file());
   ASSERT_TRUE(library && library->check_all());
   const auto written = fs::last_write_time(file());
-  const auto& column = library->models[0].samples.x;
+  const std::span<const float> column = (*library->samples(0))->samples.x;
   const auto at = static_cast<std::streamoff>(
       bytes_.find(std::string_view(reinterpret_cast<const char*>(column.data()), 16)));
   std::fstream(file(), std::ios::in | std::ios::out | std::ios::binary).seekp(at) << "other";

@@ -53,12 +53,12 @@ TEST_F(LibraryContents, OutlastTheWriter) {
   ASSERT_TRUE(first->check_all()) << first->check_all().error().message;
   EXPECT_EQ(first->header, header_);
   ASSERT_EQ(first->models.size(), 2U);
-  EXPECT_EQ(difference(first->models[0], models_[1]), "");
-  EXPECT_EQ(difference(first->models[1], models_[0]), "");
+  EXPECT_EQ(difference(*first->model(0), models_[1]), "");
+  EXPECT_EQ(difference(*first->model(1), models_[0]), "");
   const auto second = open_contents(contents(1));
   ASSERT_TRUE(second) << second.error().message;
   ASSERT_EQ(second->models.size(), 1U);
-  EXPECT_EQ(difference(second->models[0], models_[2]), "");
+  EXPECT_EQ(difference(*second->model(0), models_[2]), "");
 }
 
 TEST_F(LibraryContents, AreOfNoConcernToTheLibrary) {
@@ -88,7 +88,7 @@ TEST_F(LibraryContents, ShowDamageOfTheFileThatTheyDescribe) {
   std::string bytes = test::read_bytes(unfinished());
   const Library first = *open_contents(contents(0));
   // The last byte of the last large column of a model.
-  const std::span<const PpfEntry> entries = first.models[0].ppf.entries;
+  const std::span<const PpfEntry> entries = (*first.pairs(0))->ppf.entries;
   const std::string_view column(reinterpret_cast<const char*>(entries.data()),
                                 entries.size_bytes());
   const std::size_t at = bytes.find(column);
@@ -135,7 +135,7 @@ TEST_F(LibraryContents, ListTheModelsWrittenBeforeTheDiskWasFull) {
   ASSERT_TRUE(kept) << kept.error().message;
   EXPECT_TRUE(kept->check_all());
   ASSERT_EQ(kept->models.size(), 1U);
-  EXPECT_EQ(difference(kept->models[0], models_[0]), "");
+  EXPECT_EQ(difference(*kept->model(0), models_[0]), "");
 }
 
 TEST_F(LibraryContents, ReportAFileInTheWay) {

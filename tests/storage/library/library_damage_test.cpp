@@ -61,8 +61,8 @@ class LibraryDamageTest : public test::LibraryTest {
     EXPECT_EQ(library->header.unit, LengthUnit::meter) << what;
     EXPECT_EQ(library->header.producer, "trivet test") << what;
     EXPECT_EQ(library->header.parameters, "{}") << what;
-    for (std::size_t i = 0; i < models_.size(); ++i) {
-      EXPECT_EQ(difference(library->models[i], models_[i]), "") << what;
+    for (std::uint32_t i = 0; i < models_.size(); ++i) {
+      EXPECT_EQ(difference(*library->model(i), models_[i]), "") << what;
     }
     EXPECT_EQ(difference(library->basis, basis_), "") << what;
   }
@@ -127,9 +127,52 @@ TEST_F(LibraryDamageTest, NeverBecomesAnotherLibraryByZeroedOrSwappedBlocks) {
   }
 }
 
-// Recognition reads single models: a model that passed its check equals what was written, whatever
-// damage lies elsewhere.
-TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFirstUsed) {
+// Nothing is asked for before: the access itself checks the part, and no other one.
+TEST_F(LibraryDamageTest, GivesNoDamagedPartAndNamesTheFault) {
+  const auto whole = read_bytes(file());
+  const auto damage = [&](auto column) {
+    auto damaged = whole;
+    const auto bytes = std::as_bytes(std::span(column));
+    const std::size_t at =
+        whole.find(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    ASSERT_NE(at, std::string::npos);
+    damaged[at + bytes.size() / 2] = static_cast<char>(damaged[at + bytes.size() / 2] ^ 1);
+    write_file(damaged);
+  };
+  const auto expect = [&](auto get, const std::string& named) {
+    const auto library = open_library(file());
+    ASSERT_TRUE(library) << library.error().message;
+    for (int again = 0; again < 2; ++again) {
+      const auto given = get(*library);
+      ASSERT_FALSE(given) << "expected a refusal: " << named;
+      EXPECT_EQ(given.error().code, ErrorCode::bad_data);
+      EXPECT_NE(given.error().message.find(file().string() + ": /models/a/" + named),
+                std::string::npos)
+          << given.error().message;
+    }
+    EXPECT_EQ(library->shape(0).num_vertices, models_[0].vertices.size());
+    const auto parts = {library->surface(0).has_value(), library->samples(0).has_value(),
+                        library->pairs(0).has_value(), library->features(0).has_value()};
+    EXPECT_EQ(std::ranges::count(parts, false), 1) << named;
+    EXPECT_FALSE(library->model(0));
+    EXPECT_TRUE(library->model(1));
+  };
+  const Model& model = models_[0];
+  damage(model.triangles.c);
+  expect([](const Library& library) { return library.surface(0); }, "triangles: expected checksum");
+  damage(model.sample_normals.x);
+  expect([](const Library& library) { return library.samples(0); },
+         "sample_normals: expected checksum");
+  damage(model.ppf.entries);
+  expect([](const Library& library) { return library.pairs(0); }, "ppf/entries: expected checksum");
+  damage(std::span(model.features[1].codes));
+  expect([](const Library& library) { return library.features(0); },
+         "trisi_2x/features: expected checksum");
+}
+
+// Recognition reads single models: a part that is given equals what was written, whatever damage
+// lies elsewhere.
+TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartIsCheckedWhenItIsFirstRead) {
   const auto whole = read_bytes(file());
   std::mt19937_64 random(20261124);
   std::size_t num_opened = 0, num_refused_parts = 0;
@@ -149,31 +192,22 @@ TEST_F(LibraryDamageTest, NeverGivesAnotherModelWhereAPartWasCheckedWhenItWasFir
     ++num_opened;
     ASSERT_EQ(library->models.size(), models_.size());
     for (std::uint32_t m = 0; m < models_.size(); ++m) {
-      Model mixed = models_[m];  // a refused model is never read
-      const Model& read = library->models[m];
-      const auto is_good = [&](ModelPart part) {
-        const auto checked = library->check(m, part);
-        if (checked) return true;
-        EXPECT_NE(checked.error().message.find("/models/" + models_[m].name), std::string::npos)
-            << checked.error().message;
+      Model used = models_[m];
+      static_cast<ModelInfo&>(used) = library->models[m];
+      const auto take = [&](const auto& given, auto& columns) {
+        if (given) {
+          columns = **given;
+          return;
+        }
         ++num_refused_parts;
-        return false;
+        EXPECT_NE(given.error().message.find("/models/" + models_[m].name), std::string::npos)
+            << given.error().message;
       };
-      Model used = read;
-      if (!is_good(ModelPart::surface))
-        used.vertices = mixed.vertices, used.triangles = mixed.triangles;
-      if (!is_good(ModelPart::samples)) {
-        used.samples = mixed.samples;
-        used.sample_normals = mixed.sample_normals;
-        used.sample_views = mixed.sample_views;
-      }
-      if (!is_good(ModelPart::pairs)) {
-        used.ppf_points = mixed.ppf_points;
-        used.ppf_normals = mixed.ppf_normals;
-        used.ppf = mixed.ppf;
-      }
-      if (!is_good(ModelPart::features)) used.features = mixed.features;
-      ASSERT_EQ(difference(used, mixed), "") << "at " << at << ", try " << i;
+      take(library->surface(m), static_cast<ModelSurface&>(used));
+      take(library->samples(m), static_cast<ModelSamples&>(used));
+      take(library->pairs(m), static_cast<ModelPairs&>(used));
+      take(library->features(m), static_cast<ModelFeatures&>(used));
+      ASSERT_EQ(difference(used, models_[m]), "") << "at " << at << ", try " << i;
     }
   }
   EXPECT_GT(num_opened, 400U) << "most of the file is columns";
@@ -206,7 +240,7 @@ TEST_F(LibraryDamageTest, ReadsARewrittenFileByItsGroups) {
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message;
   EXPECT_EQ(library->models[0].diameter, 7);
-  Model read = library->models[0];
+  Model read = *library->model(0);
   read.diameter = model.diameter;
   EXPECT_EQ(difference(read, model), "");
 }
@@ -280,8 +314,8 @@ TEST_F(LibraryDamageTest, ReadsOlderMinorVersionsWithoutWhatCameLaterAndNotWithI
     const auto library = open_library(file());
     ASSERT_TRUE(library) << library.error().message;
     EXPECT_EQ(library->version_minor, version);
-    for (std::size_t i = 0; i < expected.size(); ++i)
-      EXPECT_EQ(difference(library->models[i], expected[i]), "");
+    for (std::uint32_t i = 0; i < expected.size(); ++i)
+      EXPECT_EQ(difference(*library->model(i), expected[i]), "");
   };
   edit_library(file(), [](hid_t root) {
     const std::uint32_t version = 2;

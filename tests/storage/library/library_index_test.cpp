@@ -67,7 +67,7 @@ TEST_F(LibraryIndex, HoldsWhatWasGivenInPieces) {
   const auto library = verify_library(file());
   ASSERT_TRUE(library) << library.error().message;
   ASSERT_EQ(library->index.size(), 1U);
-  const FeatureLevel& found = library->index[0];
+  const FeatureLevel& found = **library->index.level(0);
   ASSERT_EQ(found.size(), 103U);
   EXPECT_EQ(found.resolution, 0.5F);
   EXPECT_EQ(found.centroids[kStride], 7);

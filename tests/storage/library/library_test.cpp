@@ -56,8 +56,8 @@ TEST_F(LibraryTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(library->version_minor, kLibraryVersionMinor);
   EXPECT_EQ(library->file_bytes, fs::file_size(file()));
   ASSERT_EQ(library->models.size(), 2U);
-  EXPECT_EQ(difference(library->models[0], models[1]), "");  // sorted by name
-  EXPECT_EQ(difference(library->models[1], models[0]), "");
+  EXPECT_EQ(difference(*library->model(0), models[1]), "");  // sorted by name
+  EXPECT_EQ(difference(*library->model(1), models[0]), "");
   EXPECT_EQ(difference(library->basis, random_basis(5, test::kRandomComponents)), "");
 }
 
@@ -73,7 +73,7 @@ TEST_F(LibraryTest, KeepsLargeTablesInTheMappedFileAfterTheLibraryAndTheFileAreG
   {
     auto library = open_library(file());
     ASSERT_TRUE(library) << library.error().message;
-    read = std::move(library->models[0]);
+    read = *library->model(0);
   }
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.ppf.offsets.data()) % 4096, 0U);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(read.ppf.entries.data()) % 4096, 0U);
@@ -91,7 +91,7 @@ TEST_F(LibraryTest, HoldsModelsWithoutMeshSymmetryAndTable) {
   write(file(), {&bare, 1});
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message;
-  EXPECT_EQ(difference(library->models[0], bare), "");
+  EXPECT_EQ(difference(*library->model(0), bare), "");
 }
 
 TEST_F(LibraryTest, HoldsModelsWithoutFeatures) {
@@ -100,13 +100,13 @@ TEST_F(LibraryTest, HoldsModelsWithoutFeatures) {
   write(file(), {&plain, 1});
   const auto beside = open_library(file());
   ASSERT_TRUE(beside) << beside.error().message;
-  EXPECT_EQ(difference(beside->models[0], plain), "") << "beside a basis";
+  EXPECT_EQ(difference(*beside->model(0), plain), "") << "beside a basis";
 
   auto writer = LibraryWriter::create(file(), kHeader);
   ASSERT_TRUE(writer && writer->add(plain) && writer->publish());
   const auto without = open_library(file());
   ASSERT_TRUE(without) << without.error().message;
-  EXPECT_EQ(difference(without->models[0], plain), "");
+  EXPECT_EQ(difference(*without->model(0), plain), "");
   EXPECT_EQ(without->basis.components.size(), 0U);
 }
 
@@ -125,8 +125,8 @@ TEST_F(LibraryTest, IsReadWhateverRoomItHadForNames) {
     const auto library = verify_library(file());
     ASSERT_TRUE(library) << library.error().message;
     ASSERT_EQ(library->models.size(), models.size());
-    for (std::size_t m = 0; m < models.size(); ++m)
-      EXPECT_EQ(difference(library->models[m], models[m]), "");
+    for (std::uint32_t m = 0; m < models.size(); ++m)
+      EXPECT_EQ(difference(*library->model(m), models[m]), "");
   }
 }
 
@@ -205,7 +205,10 @@ TEST_F(LibraryTest, HoldsManyModels) {
   for (const Model& model : models) {
     const auto found = std::ranges::find(library->models, model.name, &Model::name);
     ASSERT_NE(found, library->models.end());
-    EXPECT_EQ(difference(*found, model), "");
+    EXPECT_EQ(
+        difference(*library->model(static_cast<std::uint32_t>(found - library->models.begin())),
+                   model),
+        "");
   }
 }
 
@@ -248,10 +251,10 @@ TEST_F(LibraryTest, PublishesOverAnOpenedLibraryWithoutDisturbingIt) {
   const auto library = open_library(file());
   write(file(), {&fresh, 1});
   ASSERT_TRUE(library);
-  EXPECT_EQ(difference(library->models[0], old), "");
+  EXPECT_EQ(difference(*library->model(0), old), "");
   const auto reopened = open_library(file());
   ASSERT_TRUE(reopened);
-  EXPECT_EQ(difference(reopened->models[0], fresh), "");
+  EXPECT_EQ(difference(*reopened->model(0), fresh), "");
 }
 
 TEST_F(LibraryTest, RefusesToGoOnAfterPublish) {

@@ -72,7 +72,7 @@ Json declaration_json(std::span<const std::vector<Pose>* const> poses,
 
 /// The near symmetries of the model together with its exact ones, since a declaration replaces all
 /// symmetries.
-Json near_declaration_json(const Model& model) {
+Json near_declaration_json(const ModelInfo& model) {
   if (model.near_symmetries.empty() && !model.near_axis) return nullptr;
   return declaration_json(std::array{&model.symmetry.poses, &model.near_symmetries},
                           model.near_axis ? model.near_axis : model.symmetry.axis);
@@ -86,7 +86,7 @@ Json turn_axis_json(const Symmetry::Axis& axis, float turn) {
           {"turn_deg", turn > 0 ? Json(kDegreesPerRadian * turn) : Json()}};
 }
 
-Json model_json(const Model& model) {
+Json model_json(const ModelInfo& model) {
   return {
       {"name", model.name},
       {"diameter", model.diameter},

@@ -14,6 +14,6 @@ namespace trivet::apps::service {
 nlohmann::ordered_json turn_axis_json(const Symmetry::Axis& axis, float turn);
 
 /// {"name", "diameter", "symmetry", "near_symmetry"}. Lengths are in the library's unit.
-nlohmann::ordered_json model_json(const Model& model);
+nlohmann::ordered_json model_json(const ModelInfo& model);
 
 }  // namespace trivet::apps::service

@@ -5,7 +5,9 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "engine/recognition/recognition_service.hpp"
 #include "storage/common/result.hpp"
@@ -13,17 +15,18 @@
 
 namespace trivet::apps::service {
 
-const Model* find_model(const Library& library, std::string_view name);
+/// The rank of a model; absent: there is no such model.
+std::optional<std::uint32_t> find_model(const Library& library, std::string_view name);
 
-/// The model's surface as a PLY file, in the library's unit.
-std::string model_mesh(const Model& model);
+/// A model's surface as a PLY file, in the library's unit.
+std::string model_mesh(const ModelSurface& surface);
 
 /// Thumbnails, rendered on first use and kept as long as their generation answers. All members may
 /// be called from any thread.
 class Thumbnails {
  public:
-  /// Returns a PNG. Pre: `model` belongs to the generation. Errors: internal.
-  Result<std::string> png(const LibraryGeneration& generation, const Model& model);
+  /// Returns a PNG. Pre: `model` belongs to the generation. Errors: internal, bad_data (damaged).
+  Result<std::string> png(const LibraryGeneration& generation, std::uint32_t model);
 
  private:
   std::mutex mutex_;

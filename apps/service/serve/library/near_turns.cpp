@@ -23,6 +23,11 @@ constexpr int kTurnsAboutAxis = 8;    // samples of a rotation by any angle
 constexpr float kSameTurn = 0.02F;    // [rad]
 constexpr float kSameShift = 0.005F;  // [diameters]
 
+struct SampledModel {
+  const ModelInfo& info;
+  const ModelSamples& own;
+};
+
 /// How far a motion moves samples off the surface, and where the farthest sample ends.
 struct Deviation {
   Pose motion = Pose::Identity();
@@ -31,19 +36,20 @@ struct Deviation {
 };
 
 /// Measures both directions: what the moved surface has in excess, and what it lacks.
-Deviation deviation_by(const Model& model, const Pose& motion) {
-  const std::size_t n = model.samples.size();
+Deviation deviation_by(const SampledModel& model, const Pose& motion) {
+  const std::size_t n = model.own.samples.size();
   std::vector<float> distances(2 * n);
   const std::array<Pose, 2> ways{motion, motion.inverse()};
   for (std::size_t way = 0; way < ways.size(); ++way) {
-    kernels::measure_deviation(model.samples, model.sample_normals, model.sample_spacing, ways[way],
+    kernels::measure_deviation(model.own.samples, model.own.sample_normals,
+                               model.info.sample_spacing, ways[way],
                                std::span(distances).subspan(way * n, n));
   }
   Deviation deviation{.motion = motion};
   const auto farthest =
       static_cast<std::size_t>(std::ranges::max_element(distances) - distances.begin());
   deviation.largest = distances[farthest];
-  const Eigen::Vector3f sample = model.samples[farthest % n];
+  const Eigen::Vector3f sample = model.own.samples[farthest % n];
   // What the moved surface lacks lies on the original surface.
   deviation.place = farthest < n ? Eigen::Vector3f(motion * sample) : sample;
   std::ranges::sort(distances);
@@ -53,7 +59,7 @@ Deviation deviation_by(const Model& model, const Pose& motion) {
 }
 
 /// A rotation by any angle about the near axis, measured by the worst of some samples.
-Deviation deviation_about(const Model& model, const Symmetry::Axis& axis) {
+Deviation deviation_about(const SampledModel& model, const Symmetry::Axis& axis) {
   Deviation worst;
   for (int k = 1; k <= kTurnsAboutAxis; ++k) {
     const float angle = kernels::kGoldenAngle * static_cast<float>(k);
@@ -71,7 +77,7 @@ bool are_same(const Pose& a, const Pose& b, float diameter) {
 
 /// All motions that declare a near rotation: it, its inverse, and both after each symmetry of the
 /// model, so that the declaration omits no equivalent pose.
-std::vector<Pose> declared_by(const Model& model, const Pose& motion) {
+std::vector<Pose> declared_by(const ModelInfo& model, const Pose& motion) {
   std::vector<Pose> all;
   const auto add = [&](const Pose& pose) {
     const auto same = [&](const Pose& other) { return are_same(pose, other, model.diameter); };
@@ -96,11 +102,12 @@ Json turn_json(std::span<const Pose> motions, Json axis, const Deviation& deviat
           {"place", std::array{place.x(), place.y(), place.z()}}};
 }
 
-Json turns_json(const Model& model) {
+Json turns_json(const SampledModel& sampled) {
+  const ModelInfo& model = sampled.info;
   Json turns = Json::array();
   if (model.near_axis) {
     turns.push_back(turn_json({}, turn_axis_json(*model.near_axis, 0),
-                              deviation_about(model, *model.near_axis)));
+                              deviation_about(sampled, *model.near_axis)));
   }
   std::vector<Pose> listed;
   for (const Pose& motion : model.near_symmetries) {
@@ -110,7 +117,7 @@ Json turns_json(const Model& model) {
     listed.insert(listed.end(), all.begin(), all.end());
     const float angle = Eigen::AngleAxisf(Eigen::Matrix3f(motion.linear())).angle();
     turns.push_back(turn_json(all, turn_axis_json(kernels::axis_of(motion), angle),
-                              deviation_by(model, motion)));
+                              deviation_by(sampled, motion)));
   }
   return {{"turns", std::move(turns)}};
 }
@@ -118,8 +125,8 @@ Json turns_json(const Model& model) {
 }  // namespace
 
 Result<Json> near_turns_json(const Library& library, std::uint32_t model) {
-  TRIVET_TRY(library.check(model, ModelPart::samples));
-  return turns_json(library.models[model]);
+  TRIVET_TRY_ASSIGN(const ModelSamples* const samples, library.samples(model));
+  return turns_json({library.models[model], *samples});
 }
 
 }  // namespace trivet::apps::service

@@ -18,7 +18,7 @@ namespace trivet::apps::service {
 namespace {
 
 /// {"name", ..., "thumbnail", "mesh"}
-nlohmann::ordered_json listed_model_json(const Model& model) {
+nlohmann::ordered_json listed_model_json(const ModelInfo& model) {
   const auto view = [&](const char* name) {
     return encode_path(fmt::format("/v1/models/{}/{}", model.name, name));
   };
@@ -48,7 +48,7 @@ void LibraryRoutes::list_models(const CallPtr& call, std::string_view) const {
   const auto generation = service_.generation();
   const Library& library = generation->recognizer.library();
   nlohmann::ordered_json models = nlohmann::ordered_json::array();
-  for (const Model& model : library.models) models.push_back(listed_model_json(model));
+  for (const ModelInfo& model : library.models) models.push_back(listed_model_json(model));
   responder_.reply(call, json_response(200, {{"library", library.file.filename().string()},
                                              {"generation", generation->number},
                                              {"unit", unit_name(library.header.unit)},
@@ -63,22 +63,22 @@ void LibraryRoutes::view_model(const CallPtr& call, std::string_view rest) {
     return responder_.reply(
         call, error_response(404, "expected mesh.ply, thumbnail.png or near-symmetry of a model"));
   }
-  responder_.run_small(call,
-                       [this, name, view = std::string(view)](
-                           const LibraryGeneration& generation) -> Result<HttpResponse> {
-                         const Library& library = generation.recognizer.library();
-                         const Model* const model = find_model(library, name);
-                         if (!model) return error_response(404, fmt::format("no model '{}'", name));
-                         if (view == kNearSymmetry) {
-                           return json_result(near_turns_json(
-                               library, static_cast<std::uint32_t>(model - library.models.data())));
-                         }
-                         if (view == "mesh.ply")
-                           return HttpResponse{200, model_mesh(*model), "model/ply", {}};
-                         Result<std::string> png = thumbnails_.png(generation, *model);
-                         if (!png) return png.error();
-                         return HttpResponse{200, std::move(*png), "image/png", {}};
-                       });
+  responder_.run_small(
+      call,
+      [this, name,
+       view = std::string(view)](const LibraryGeneration& generation) -> Result<HttpResponse> {
+        const Library& library = generation.recognizer.library();
+        const std::optional<std::uint32_t> model = find_model(library, name);
+        if (!model) return error_response(404, fmt::format("no model '{}'", name));
+        if (view == kNearSymmetry) return json_result(near_turns_json(library, *model));
+        if (view == "mesh.ply") {
+          TRIVET_TRY_ASSIGN(const ModelSurface* const surface, library.surface(*model));
+          return HttpResponse{200, model_mesh(*surface), "model/ply", {}};
+        }
+        Result<std::string> png = thumbnails_.png(generation, *model);
+        if (!png) return png.error();
+        return HttpResponse{200, std::move(*png), "image/png", {}};
+      });
 }
 
 void LibraryRoutes::score_parts(const CallPtr& call, std::string_view) const {

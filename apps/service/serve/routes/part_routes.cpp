@@ -116,8 +116,12 @@ void PartRoutes::view_part(const CallPtr& call, std::string_view rest) const {
   const auto library = workshop_->trained(std::string(name));
   if (!library)
     return responder_.reply(call, error_response(404, fmt::format("no trained part '{}'", name)));
-  if (view == "mesh.ply")
-    return responder_.reply(call, {200, model_mesh(library->models.front()), "model/ply", {}});
+  if (view == "mesh.ply") {
+    const Result<const ModelSurface*> surface = library->surface(0);
+    return responder_.reply(call, surface
+                                      ? HttpResponse{200, model_mesh(**surface), "model/ply", {}}
+                                      : error_response(surface.error()));
+  }
   responder_.run_small(call, [library](const LibraryGeneration&) -> Result<HttpResponse> {
     return json_result(near_turns_json(*library, 0));
   });

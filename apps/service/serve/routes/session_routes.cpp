@@ -29,12 +29,12 @@ namespace {
 ModelOfName models_of(const LibraryGeneration& generation) {
   return [&generation](const std::string& name) -> std::optional<SessionModel> {
     const Library& library = generation.recognizer.library();
-    const Model* const model = find_model(library, name);
+    const std::optional<std::uint32_t> model = find_model(library, name);
     if (!model) return std::nullopt;
-    const auto index = static_cast<std::uint32_t>(model - library.models.data());
-    if (!library.check(index, ModelPart::surface)) return std::nullopt;
-    return SessionModel{model->symmetry, library.header.unit, generation.number,
-                        [model] { return model_mesh(*model); }};
+    const Result<const ModelSurface*> surface = library.surface(*model);
+    if (!surface) return std::nullopt;
+    return SessionModel{library.models[*model].symmetry, library.header.unit, generation.number,
+                        [own = *surface] { return model_mesh(*own); }};
   };
 }
 

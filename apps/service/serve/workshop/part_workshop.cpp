@@ -336,7 +336,7 @@ Result<void> PartWorkshop::train_and_read(const std::string& name, const std::st
   Result<Library> library = open_library(folder / kLibrary);
   if (!library) return library.error();
   if (library->models.size() != 1) return Error{ErrorCode::internal, "expected one trained model"};
-  TRIVET_TRY(library->check(0, ModelPart::surface));
+  TRIVET_TRY(library->surface(0));
   out.library = std::make_shared<const Library>(std::move(*library));
   return {};
 }

@@ -1,4 +1,4 @@
-#include "engine/common/check_models.hpp"
+#include "engine/common/checked_parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,9 +13,9 @@
 namespace trivet::engine {
 namespace {
 
-class CheckModels : public test::LibraryTest {
+class CheckedParts : public test::LibraryTest {
  protected:
-  CheckModels() {
+  CheckedParts() {
     auto writer = LibraryWriter::create(file(), {LengthUnit::meter, "trivet test", "{}"});
     const auto add = [&](const char* name, std::uint64_t seed) {
       Model model = test::random_model(name, seed);
@@ -27,12 +27,12 @@ class CheckModels : public test::LibraryTest {
   }
 };
 
-TEST_F(CheckModels, NamesTheModelWhosePartIsDamaged) {
+TEST_F(CheckedParts, NamesTheModelWhosePartIsDamaged) {
   std::string bytes = test::read_bytes(file());
   {
     const auto whole = open_library(file());
     ASSERT_TRUE(whole) << whole.error().message;
-    const std::span<const float> x = whole->models[1].samples.x;
+    const std::span<const float> x = (*whole->samples(1))->samples.x;
     const std::size_t at = bytes.find({reinterpret_cast<const char*>(x.data()), x.size_bytes()});
     ASSERT_NE(at, std::string::npos);
     bytes[at] = static_cast<char>(bytes[at] ^ 1);
@@ -41,15 +41,16 @@ TEST_F(CheckModels, NamesTheModelWhosePartIsDamaged) {
   const auto library = open_library(file());
   ASSERT_TRUE(library) << library.error().message;
   constexpr std::array<std::uint32_t, 3> kAll{0, 1, 2};
-  const auto good = check_models(*library, kAll, ModelPart::surface);
-  EXPECT_TRUE(good) << good.error().message;
-  const auto bad = check_models(*library, kAll, ModelPart::samples);
+  const auto good = pairs_of(*library, kAll);
+  ASSERT_TRUE(good) << good.error().message;
+  EXPECT_EQ((*good)[2], *library->pairs(2));
+  const auto bad = samples_of(*library, kAll);
   ASSERT_FALSE(bad);
   EXPECT_EQ(bad.error().code, ErrorCode::bad_data);
   EXPECT_NE(bad.error().message.find("/models/b/samples"), std::string::npos)
       << bad.error().message;
   constexpr std::array<std::uint32_t, 2> kOthers{0, 2};
-  EXPECT_TRUE(check_models(*library, kOthers, ModelPart::samples));
+  EXPECT_TRUE(samples_of(*library, kOthers));
 }
 
 }  // namespace
