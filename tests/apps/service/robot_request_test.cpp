@@ -25,11 +25,11 @@ FilePose pose_of(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& positio
 }
 
 Library library_in_mm() {
-  Library library;
+  std::vector<Model> models(1);
+  models[0].name = "cup";
+  models[0].diameter = 100;
+  Library library(std::move(models));
   library.header.unit = LengthUnit::millimeter;
-  Model& cup = library.models.emplace_back();
-  cup.name = "cup";
-  cup.diameter = 100;
   return library;
 }
 

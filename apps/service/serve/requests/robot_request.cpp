@@ -111,7 +111,7 @@ nlohmann::ordered_json doubts_json(const RobotRequest& request, const Library& l
           doubt_json("frame", setup.T_robot_scene->translation().norm(), request.unit, *likelier));
   }
   const LengthUnit unit = library.header.unit;
-  for (const Model& model : library.models) {
+  for (const ModelInfo& model : library.models) {
     const auto grasps = setup.grasps.find(model.name);
     if (grasps == setup.grasps.end()) continue;
     const double length = longest_of(grasps->second);
