@@ -78,7 +78,7 @@ TEST(WarnOfModel, WarnsOfASurfaceThatIsOpenOrOfOneSide) {
 TEST(WarnOfModel, WarnsOfFacesThatPointInwards) {
   Cloud turned = test::cloud_of(test::bracket());
   std::swap(turned.triangles.b, turned.triangles.c);
-  EXPECT_NE(warnings_of(turned).find("look inwards"), std::string::npos) << warnings_of(turned);
+  EXPECT_NE(warnings_of(turned).find("point inwards"), std::string::npos) << warnings_of(turned);
 }
 
 TEST(WarnOfSizes, WarnsOfModelsThatDoNotFitTheUnitOrTheOthers) {
