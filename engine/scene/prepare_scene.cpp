@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "engine/common/check_extent.hpp"
 #include "engine/common/parallel.hpp"
@@ -14,6 +15,8 @@
 #include "engine/scene/find_view.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/scans/fit_camera.hpp"
+#include "kernels/scans/merge_pixels.hpp"
 #include "kernels/scans/plane_samples.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
@@ -52,12 +55,30 @@ float choose_window(float noise, float spacing) {
   return std::clamp(2 + 3.5F * noise / spacing, 2.0F, 7.0F);
 }
 
+/// Pixel geometry of the sensor: given, recovered from the grid, or constructed for scattered
+/// points.
+struct SensorView {
+  kernels::ImageGeometry geometry;
+  PixelGrid grid;
+  bool scattered = false;  ///< whether points lie beside the rays through their pixels' centers
+};
+
+/// Depth at a pixel's center of the plane through one of its points. Where the plane is so oblique
+/// that it leaves the pixel far from the point, the point's own depth.
+float depth_at_center(const kernels::ImageGeometry& geometry, std::size_t pixel,
+                      const Eigen::Vector3f& point, const Eigen::Vector3f& normal) {
+  const Eigen::Vector3f ray = geometry.back_project(pixel, 1);
+  const float depth = normal.dot(point) / normal.dot(ray);
+  const bool is_near = std::abs(depth - point.z()) < 4 * point.z() / geometry.fx;
+  return is_near ? depth : point.z();  // also where there is no normal
+}
+
 /// Depth and normal of each pixel from the points in the grid.
-kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const PixelGrid& grid,
-                               PointsView points, NormalsView normals) {
+kernels::RangeImage make_image(const SensorView& view, const OrientedView& cloud) {
+  const kernels::ImageGeometry& geometry = view.geometry;
   kernels::RangeImage image;
   image.geometry = geometry;
-  const std::size_t n = grid.point_index.size();
+  const std::size_t n = view.grid.point_index.size();
   image.depth.assign(n, 0);
   image.plane.assign(n, 0);
   image.near_plane.assign(n, 0);
@@ -65,14 +86,16 @@ kernels::RangeImage make_image(const kernels::ImageGeometry& geometry, const Pix
   const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
   for_chunks(n, kPixelGrain, [&](std::size_t first, std::size_t count) {
     for (std::size_t pixel = first; pixel < first + count; ++pixel) {
-      const std::int32_t i = grid.point_index[pixel];
+      const std::int32_t i = view.grid.point_index[pixel];
       if (i == PixelGrid::kNone) {
         image.normals.set(pixel, Eigen::Vector3f::Constant(kNaN));
         continue;
       }
       const auto at = static_cast<std::size_t>(i);
-      image.depth[pixel] = (geometry.T_camera_scene * points[at]).z();
-      image.normals.set(pixel, R * normals[at]);
+      const Eigen::Vector3f p = geometry.T_camera_scene * cloud.points[at];
+      const Eigen::Vector3f normal = R * cloud.normals[at];
+      image.depth[pixel] = view.scattered ? depth_at_center(geometry, pixel, p, normal) : p.z();
+      image.normals.set(pixel, normal);
     }
   });
   return image;
@@ -98,16 +121,9 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   }
 }
 
-/// Pixel geometry of the sensor: given, recovered from the grid, or constructed for scattered
-/// points.
-struct SensorView {
-  kernels::ImageGeometry geometry;
-  PixelGrid grid;
-  bool scattered = false;
-};
-
-std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
-                                      const Eigen::Vector3f& viewpoint) {
+/// points  points of the cloud; scattered ones are merged by pixel
+std::optional<SensorView> find_sensor(const Cloud& cloud, const Eigen::Vector3f& viewpoint,
+                                      Points& points) {
   std::optional<Camera> camera = cloud.camera;
   if (!camera && cloud.grid && viewpoint.isZero())
     camera = kernels::fit_camera(*cloud.grid, points);
@@ -125,7 +141,9 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, PointsView points,
   }
   const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;
-  return SensorView{*geometry, kernels::rasterize(*geometry, points), true};
+  kernels::MergedPixels merged = kernels::merge_pixels(*geometry, points);
+  points = std::move(merged.points);
+  return SensorView{*geometry, std::move(merged.grid), true};
 }
 
 /// planes  planes in the camera's frame
@@ -209,7 +227,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
                              cloud.points.size())};
   };
-  const std::optional<SensorView> view = find_sensor(cloud, scene.points, viewpoint);
+  const std::optional<SensorView> view = find_sensor(cloud, viewpoint, scene.points);
   if (!view) return no_visible_points();
   if (!view->scattered) scene.view.kind = SceneKind::image;
   const kernels::ImageGeometry& geometry = view->geometry;
@@ -243,7 +261,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
       clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
   if (window != kNoiseWindow) estimate(window);
 
-  scene.images.push_back(make_image(geometry, view->grid, scene.points, scene.normals));
+  scene.images.push_back(make_image(*view, {scene.points, scene.normals}));
   if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
   find_dominant_planes(scene.images.back(), options, scene);
   measure_sensor(scene.images.back(), options, scene.sensor);
@@ -405,8 +423,9 @@ Result<void> prepare_closed_scene(const Triangles& triangles, const SceneInput& 
       std::optional<kernels::ImageGeometry> geometry =
           kernels::choose_camera(scene.points, eye, 1.5F * scene.spacing);
       if (!geometry) continue;
-      const PixelGrid grid = kernels::rasterize(*geometry, scene.points, scene.normals);
-      scene.images.push_back(make_image(*geometry, grid, scene.points, scene.normals));
+      kernels::MergedPixels merged = kernels::merge_pixels(*geometry, scene.points, scene.normals);
+      scene.images.push_back(
+          make_image({*geometry, std::move(merged.grid), true}, {merged.points, merged.normals}));
       close_holes(3 * scene.spacing, scene.images.back());
     }
   }

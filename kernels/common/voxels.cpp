@@ -64,8 +64,7 @@ VoxelLattice fit_lattice(PointsView points, double cell) {
 
 namespace {
 
-constexpr std::size_t kNumbered = 256;   // points keyed at a time
-constexpr std::size_t kSteps = 1 << 18;  // points between two checks
+constexpr std::size_t kNumbered = 256;  // points keyed at a time
 constexpr std::uint64_t kNoVoxel = ~std::uint64_t{0};
 constexpr double kMaxFast = 4503599627370496.0;  // 2^52
 constexpr std::uint64_t kLowBits = (std::uint64_t{1} << 52) - 1;
@@ -93,7 +92,7 @@ void number_voxels(const VoxelLattice& lattice, std::size_t n, const float* __re
 void sort_runs(PointsView points, const VoxelLattice& lattice, Voxels& out, VoxelScratch& scratch) {
   std::array<std::uint64_t, kNumbered> numbers;
   std::uint64_t last = kNoVoxel;
-  StopCheck check_stop(kSteps / kNumbered);
+  StopCheck check_stop(StopCheck::kPoints / kNumbered);
   for (std::size_t begin = 0; begin < points.size(); begin += kNumbered) {
     check_stop();
     const std::size_t n = std::min(kNumbered, points.size() - begin);
@@ -124,7 +123,7 @@ void sort_points(PointsView points, const VoxelLattice& lattice, Voxels& out,
     return static_cast<std::uint64_t>(std::min(lattice.counts[axis], kMaxAxis));
   };
   const std::uint64_t nx = axis_count(0), ny = axis_count(1), nz = axis_count(2);
-  StopCheck check_stop(kSteps);
+  StopCheck check_stop(StopCheck::kPoints);
   for (std::size_t i = 0; i < points.size(); ++i) {
     check_stop();
     if (!finite(points, i)) continue;
@@ -161,7 +160,7 @@ void group_by_voxel(PointsView points, const VoxelLattice& lattice, Voxels& out,
   order.clear();
   out.offsets.clear();
   std::size_t num_voxels = 0;
-  StopCheck check_stop(kSteps);
+  StopCheck check_stop(StopCheck::kPoints);
   for (std::size_t k = 0; k < out.keys.size(); ++k) {
     check_stop();
     if (k == 0 || out.keys[k] != out.keys[num_voxels - 1]) {

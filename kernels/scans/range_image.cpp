@@ -13,50 +13,6 @@
 namespace trivet::kernels {
 namespace {
 
-constexpr std::size_t kSteps = 1 << 18;  // points between two checks: some milliseconds
-
-}  // namespace
-
-std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
-  // Two separate line fits: u against x/z, v against y/z.
-  double n = 0, sx = 0, sxx = 0, su = 0, sxu = 0, sy = 0, syy = 0, sv = 0, syv = 0;
-  const auto each = [&](auto&& body) {
-    StopCheck check_stop(kSteps);
-    for (std::size_t pixel = 0; pixel < grid.point_index.size(); ++pixel) {
-      check_stop();
-      const std::int32_t i = grid.point_index[pixel];
-      if (i == PixelGrid::kNone) continue;
-      const Eigen::Vector3f p = points[static_cast<std::size_t>(i)];
-      if (!(p.z() > 0)) continue;
-      body(static_cast<double>(pixel % grid.width), static_cast<double>(pixel / grid.width),
-           static_cast<double>(p.x()) / p.z(), static_cast<double>(p.y()) / p.z());
-    }
-  };
-  each([&](double u, double v, double x, double y) {
-    n += 1, sx += x, sxx += x * x, su += u, sxu += x * u, sy += y, syy += y * y, sv += v,
-        syv += y * v;
-  });
-  const double det_x = n * sxx - sx * sx, det_y = n * syy - sy * sy;
-  if (n < 100 || !(det_x > 0) || !(det_y > 0)) return std::nullopt;
-  Camera camera;
-  camera.fx = (n * sxu - sx * su) / det_x;
-  camera.cx = (su - camera.fx * sx) / n;
-  camera.fy = (n * syv - sy * sv) / det_y;
-  camera.cy = (sv - camera.fy * sy) / n;
-  const auto is_usable = [](double f) { return f > 0 && f <= kLargestFocalLength; };
-  if (!is_usable(camera.fx) || !is_usable(camera.fy)) return std::nullopt;
-
-  double within = 0;
-  each([&](double u, double v, double x, double y) {
-    within += std::abs(camera.fx * x + camera.cx - u) < 0.5 &&
-              std::abs(camera.fy * y + camera.cy - v) < 0.5;
-  });
-  if (within < 0.95 * n) return std::nullopt;
-  return camera;
-}
-
-namespace {
-
 constexpr float kMaxTangent = 3.732F;     // tan 75 degrees
 constexpr std::uint32_t kMaxSide = 2048;  // pixels
 
@@ -66,7 +22,7 @@ std::size_t count_occupied(PointsView tangents, const Eigen::Vector2f& low, floa
   occupied.assign(std::size_t{width} * height, false);
   constexpr std::size_t kNone = 2 * std::size_t{kMaxSide};  // past the last row and column
   std::size_t num_occupied = 0;
-  StopCheck check_stop(kSteps);
+  StopCheck check_stop(StopCheck::kPoints);
   for (std::size_t i = 0; i < tangents.size(); ++i) {
     check_stop();
     const auto u = clamped_integer((tangents.x[i] - low.x()) / pitch, std::size_t{0}, kNone);
@@ -143,7 +99,7 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   Points tangents;
   tangents.reserve(points.size());
   Eigen::Array2f t_low(kMaxTangent, kMaxTangent), t_high(-kMaxTangent, -kMaxTangent);
-  StopCheck check_stop(kSteps);
+  StopCheck check_stop(StopCheck::kPoints);
   for (std::size_t i = 0; i < points.size(); ++i) {
     check_stop();
     const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
@@ -167,30 +123,6 @@ std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vecto
   geometry.cx = 1.0F - t_low.x() / pitch;
   geometry.cy = 1.0F - t_low.y() / pitch;
   return geometry;
-}
-
-PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsView normals) {
-  PixelGrid grid;
-  grid.width = geometry.width;
-  grid.height = geometry.height;
-  const std::size_t num_pixels = std::size_t{grid.width} * grid.height;
-  grid.point_index.assign(num_pixels, PixelGrid::kNone);
-  Column<float> nearest(num_pixels, std::numeric_limits<float>::infinity());
-  const Eigen::Matrix3f R = geometry.T_camera_scene.linear();
-  StopCheck check_stop(kSteps);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    check_stop();
-    const Eigen::Vector3f p = geometry.T_camera_scene * points[i];
-    const std::int64_t pixel = geometry.pixel_of(p);
-    if (pixel < 0) continue;
-    if (!normals.empty() && !(p.dot(R * normals[i]) < 0)) continue;
-    const auto at = static_cast<std::size_t>(pixel);
-    if (p.z() < nearest[at]) {
-      nearest[at] = p.z();
-      grid.point_index[at] = static_cast<std::int32_t>(i);
-    }
-  }
-  return grid;
 }
 
 std::size_t fill_small_holes(const ImageGeometry& geometry, float max_step, int min_neighbors,

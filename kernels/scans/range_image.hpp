@@ -47,11 +47,6 @@ struct RangeImage {
                                     ///< the contact line of objects on it
 };
 
-/// Recover the camera of an organized scan whose file does not state it, by least squares on u = fx
-/// x/z + cx. Empty unless 95 % of the points lie within half a pixel: otherwise the grid is not a
-/// pinhole image. points are in the frame of a sensor at the origin that looks along +z.
-std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
-
 /// Choose a virtual camera at `viewpoint` for scattered points; its optical axis passes through the
 /// middle of the points.
 ///
@@ -63,10 +58,6 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points);
 /// Empty for fewer than 3 points or points all in one place or direction.
 std::optional<ImageGeometry> choose_camera(PointsView points, const Eigen::Vector3f& viewpoint,
                                            float pixel_size = 0);
-
-/// Project points and keep the nearest one of each pixel (ties to the lowest index). With normals,
-/// points that face away from the camera are omitted.
-PixelGrid rasterize(const ImageGeometry& geometry, PointsView points, NormalsView normals = {});
 
 /// Fill single missing pixels of a depth image between measured neighbors of similar depth, in
 /// place. A pixel becomes the mean of its measured 8-neighbors if there are at least

@@ -34,6 +34,8 @@ void check_stop();
 /// Calls check_stop() once every num_steps calls, for loops of short steps.
 class StopCheck {
  public:
+  static constexpr std::size_t kPoints = 1 << 18;  ///< points between two checks: milliseconds
+
   explicit StopCheck(std::size_t num_steps) noexcept : num_steps_(num_steps) {}
   void operator()() {
     if (++step_ < num_steps_) return;

@@ -117,6 +117,36 @@ float mean_roughness(const engine::PreparedScene& scene) {
   return static_cast<float>(sum / count);
 }
 
+/// The mean distance of the pixels' depths from a slanted plane that scattered points cover.
+float mean_depth_error(float noise) {
+  test::Random random;
+  const Eigen::Vector3f normal = Eigen::Vector3f(0.8F, 0.1F, -0.6F).normalized();
+  const auto depth_of = [&](const Eigen::Vector3f& ray) { return normal.z() / normal.dot(ray); };
+  Cloud cloud;
+  for (int i = 0; i < 20'000; ++i) {
+    const Eigen::Vector3f ray(random.uniform(-0.3F, 0.3F), random.uniform(-0.3F, 0.3F), 1);
+    cloud.points.push_back((depth_of(ray) + random.normal(noise)) * ray);
+  }
+  const engine::PreparedScene scene = prepare(cloud, {});
+  const kernels::RangeImage& image = scene.images[0];
+  const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
+  double sum = 0, count = 0;
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    if (!(image.depth[pixel] > 0) || !std::isfinite(image.normals[pixel].x())) continue;
+    const Eigen::Vector3f p =
+        T_scene_camera * image.geometry.back_project(pixel, image.depth[pixel]);
+    sum += static_cast<double>(normal.dot(p - Eigen::Vector3f(0, 0, 1)));
+    ++count;
+  }
+  EXPECT_GT(count, 5000);
+  return static_cast<float>(sum / count);
+}
+
+TEST(PrepareScene, MeasuresScatteredPointsWhereTheyAre) {
+  EXPECT_NEAR(mean_depth_error(0), 0, 1e-6F);
+  EXPECT_NEAR(mean_depth_error(0.003F), 0, 1e-4F);
+}
+
 // The pixels of noisy_parts() have independent errors.
 TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   const engine::PreparedScene scene = prepare(noisy_parts(), {});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "kernels/scans/merge_pixels.hpp"
 #include "support/random.hpp"
 
 namespace trivet::kernels {
@@ -13,75 +14,6 @@ namespace {
 
 using Eigen::Vector3f;
 using test::Random;
-
-struct Scan {
-  PixelGrid grid;
-  Points points;
-};
-
-/// A wavy wall seen by a camera, with holes and this noise of the pixel positions.
-Scan scan_of(Random& random, const Camera& camera, double pixel_noise = 0) {
-  Scan scan{{80, 60, {}}, {}};
-  scan.grid.point_index.assign(80 * 60, PixelGrid::kNone);
-  for (std::size_t pixel = 0; pixel < 80 * 60; ++pixel) {
-    if (random.below(5) == 0) continue;
-    const auto noise = [&] { return static_cast<double>(random.normal(1)) * pixel_noise; };
-    const double u = static_cast<double>(pixel % 80), v = static_cast<double>(pixel / 80);
-    const double z = 2 + 0.5 * std::sin(u / 9) * std::cos(v / 7);
-    scan.grid.point_index[pixel] = static_cast<std::int32_t>(scan.points.size());
-    scan.points.push_back(Eigen::Vector3d((u + noise() - camera.cx) / camera.fx * z,
-                                          (v + noise() - camera.cy) / camera.fy * z, z)
-                              .cast<float>());
-  }
-  return scan;
-}
-
-TEST(FitCamera, RecoversTheCameraOfAScan) {
-  for (const Camera& camera : {Camera{70, 75, 39.5, 30.25, 1}, Camera{500, 500, -10, 90, 1}}) {
-    Random random;
-    const Scan scan = scan_of(random, camera);
-    const auto found = fit_camera(scan.grid, scan.points);
-    ASSERT_TRUE(found);
-    EXPECT_NEAR(found->fx, camera.fx, 1e-3);
-    EXPECT_NEAR(found->fy, camera.fy, 1e-3);
-    EXPECT_NEAR(found->cx, camera.cx, 1e-3);
-    EXPECT_NEAR(found->cy, camera.cy, 1e-3);
-  }
-}
-
-TEST(FitCamera, BearsNoiseBelowHalfAPixelAndNoMore) {
-  Random random;
-  const Camera camera{70, 75, 39.5, 30.25, 1};
-  const Scan fine = scan_of(random, camera, 0.15);
-  const auto found = fit_camera(fine.grid, fine.points);
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->fx, camera.fx, 0.1);
-  EXPECT_NEAR(found->cx, camera.cx, 0.1);
-  const Scan coarse = scan_of(random, camera, 0.5);
-  EXPECT_FALSE(fit_camera(coarse.grid, coarse.points));
-}
-
-TEST(FitCamera, RefusesGridsThatNoPinholeMakes) {
-  Random random;
-  const Camera camera{70, 75, 39.5, 30.25, 1};
-  const Scan good = scan_of(random, camera);
-  const auto refused = [&](auto&& move) {
-    Scan scan = good;
-    for (std::size_t i = 0; i < scan.points.size(); ++i) scan.points.set(i, move(scan.points[i]));
-    return !fit_camera(scan.grid, scan.points);
-  };
-  EXPECT_FALSE(refused([](const Vector3f& p) { return p; }));
-  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(-p.x(), p.y(), p.z()); }))
-      << "mirrored";
-  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(p.y(), p.x(), p.z()); })) << "turned";
-  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(p.x(), p.y(), -p.z()); }))
-      << "behind";
-  EXPECT_TRUE(refused([](const Vector3f& p) {
-    return Vector3f(p.x() / p.z(), p.y() / p.z(), p.z());
-  })) << "orthographic";
-  EXPECT_TRUE(refused([](const Vector3f& p) { return Vector3f(0, 0, p.z()); })) << "a line";
-  EXPECT_FALSE(fit_camera({}, {})) << "nothing";
-}
 
 TEST(ImageGeometry, PutsAPointInThePixelWhoseCenterIsNearest) {
   Random random;
@@ -120,7 +52,7 @@ TEST(ChooseCamera, LeavesTwoPointsAPixelAndFewHoles) {
 
     // With 1.6 random points per pixel, exp(-1.6) are empty, a fifth; the empty pixels must be
     // isolated.
-    const PixelGrid grid = rasterize(*camera, points);
+    const PixelGrid grid = merge_pixels(*camera, points).grid;
     Column<float> depth(grid.point_index.size(), 0);
     std::size_t inner = 0, empty = 0;
     for (std::size_t pixel = 0; pixel < depth.size(); ++pixel) {
@@ -200,52 +132,6 @@ TEST(ChooseCamera, NeedsThreePointsAndAViewFromOutside) {
   Points same;
   for (int i = 0; i < 5; ++i) same.push_back({1, 1, 1});
   EXPECT_FALSE(choose_camera(same, {0, 0, 0})) << "no extent";
-}
-
-TEST(Rasterize, KeepsTheNearestPointOfEachPixel) {
-  Random random;
-  ImageGeometry g{random.motion(), 20, 20, 7.5F, 7.5F, 16, 16};
-  Points points;
-  Normals normals;
-  for (int i = 0; i < 2000; ++i) {
-    const float z = 1 + static_cast<float>(random.below(8)) / 4;  // deliberate ties
-    const Vector3f p(random.uniform(-0.6F, 0.6F), random.uniform(-0.6F, 0.6F), 1);
-    const float side = random.below(9) == 0 ? -1.0F : 1.0F;  // some are behind the camera
-    points.push_back(g.T_camera_scene.inverse() * (side * z * p));
-    normals.push_back(random.direction());
-  }
-  for (const bool with_normals : {false, true}) {
-    std::map<std::int64_t, std::int32_t> expected;
-    for (std::int32_t i = 0; i < 2000; ++i) {
-      const auto at = static_cast<std::size_t>(i);
-      const Vector3f p = g.T_camera_scene * points[at];
-      const std::int64_t pixel = g.pixel_of(p);
-      if (pixel < 0) continue;
-      if (with_normals && p.dot(g.T_camera_scene.linear() * normals[at]) >= 0) continue;
-      const auto [best, fresh] = expected.try_emplace(pixel, i);
-      if (fresh) continue;
-      const Vector3f q = g.T_camera_scene * points[static_cast<std::size_t>(best->second)];
-      if (p.z() < q.z()) best->second = i;
-    }
-    const PixelGrid grid = with_normals ? rasterize(g, points, normals) : rasterize(g, points);
-    ASSERT_EQ(grid.point_index.size(), 256U);
-    for (std::size_t pixel = 0; pixel < 256; ++pixel) {
-      const auto found = expected.find(static_cast<std::int64_t>(pixel));
-      EXPECT_EQ(grid.point_index[pixel],
-                found == expected.end() ? PixelGrid::kNone : found->second);
-    }
-    EXPECT_GT(expected.size(), 100U);
-  }
-}
-
-// Ties between exact copies of a point go to the lowest index.
-TEST(Rasterize, PrefersTheFirstOfEqualPoints) {
-  ImageGeometry g{Pose::Identity(), 10, 10, 4.5F, 4.5F, 10, 10};
-  Points points;
-  for (int i = 0; i < 3; ++i) points.push_back({0.01F, 0.02F, 1});
-  const PixelGrid grid = rasterize(g, points);
-  EXPECT_EQ(std::ranges::count(grid.point_index, 0), 1);
-  EXPECT_EQ(std::ranges::count(grid.point_index, PixelGrid::kNone), 99);
 }
 
 struct Patch {
