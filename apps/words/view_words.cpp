@@ -14,12 +14,15 @@ std::optional<std::string> view_words(const SceneView& view) {
     case ViewSource::given:
     case ViewSource::file:
       break;
+    case ViewSource::grid:
+      return fmt::format(
+          "treated as seen from {}, where its rows and columns meet to {:.2g} pixels; if the sensor "
+          "stood elsewhere, give its viewpoint",
+          place(), *view.residual);
     case ViewSource::faces:
       if (!view.viewpoint)
         return "treated as a complete surface, as no one place sees all its faces; if it is a "
-               "scan, "
-               "give "
-               "its viewpoint";
+               "scan, give its viewpoint";
       return fmt::format(
           "treated as seen from {}, where its faces turn to; if the sensor stood "
           "elsewhere, give its viewpoint",

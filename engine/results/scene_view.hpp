@@ -19,6 +19,7 @@ enum class SceneKind : std::uint8_t {
 enum class ViewSource : std::uint8_t {
   given,    ///< caller: a camera, a viewpoint, or a surface without a sensor
   file,     ///< the scene's file
+  grid,     ///< the rows and columns of an organized scan, which are rays through one point
   faces,    ///< the scene's triangles: all visible from the viewpoint, or from none
   assumed,  ///< default, without any information
 };
@@ -29,6 +30,8 @@ struct SceneView {
   ViewSource source = ViewSource::assumed;
   /// In the scene file's frame and unit; absent for a surface.
   std::optional<Eigen::Vector3d> viewpoint{};
+  /// For ViewSource::grid: RMS distance of the points from their pixels [pixel].
+  std::optional<double> residual{};
 };
 
 /// Name in results.
@@ -51,6 +54,8 @@ constexpr std::string_view name_of(ViewSource source) noexcept {
       return "given";
     case ViewSource::file:
       return "file";
+    case ViewSource::grid:
+      return "grid";
     case ViewSource::faces:
       return "faces";
     case ViewSource::assumed:

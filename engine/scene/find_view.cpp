@@ -8,6 +8,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/scene/find_viewpoint.hpp"
 #include "kernels/meshing/boundary_share.hpp"
+#include "kernels/scans/fit_camera.hpp"
 #include "kernels/surfaces/solid_angles.hpp"
 
 namespace trivet::engine {
@@ -89,10 +90,26 @@ ViewSource source_of(const Cloud& cloud, const SceneInput& input) {
   return cloud.viewpoint ? ViewSource::file : ViewSource::assumed;
 }
 
+/// The view of an organized scan whose points were moved into another frame, as its rows and columns
+/// determine it. Writers that know no viewpoint write the origin, so that a file's origin counts as
+/// none. Empty if the sensor is at the origin, or if the scan is not a pinhole image.
+std::optional<SceneView> view_of_grid(const Cloud& cloud, ViewSource source) {
+  const bool is_open =
+      source == ViewSource::assumed || (source == ViewSource::file && cloud.viewpoint->isZero());
+  if (!is_open || !cloud.grid) return std::nullopt;
+  if (cloud.offset.isZero(0) && kernels::fit_camera(*cloud.grid, cloud.points)) return std::nullopt;
+  const std::optional<kernels::PosedCamera> posed =
+      kernels::fit_posed_camera(*cloud.grid, cloud.points);
+  if (!posed) return std::nullopt;
+  return SceneView{SceneKind::image, ViewSource::grid, posed->center + cloud.offset,
+                   posed->residual};
+}
+
 }  // namespace
 
 Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
   const ViewSource source = source_of(cloud, input);
+  if (const std::optional<SceneView> view = view_of_grid(cloud, source)) return *view;
   if (source == ViewSource::assumed && !cloud.triangles.empty()) {
     if (input.closed_surface && !cloud.grid)
       return SceneView{SceneKind::surface, ViewSource::given};

@@ -121,6 +121,14 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   }
 }
 
+/// Whether a camera stands where the sensor is said to.
+bool is_place_of(const kernels::PosedCamera& camera, const Eigen::Vector3f& viewpoint,
+                 PointsView points) {
+  constexpr float kMostApart = 0.01F;  // of the distance to the points
+  const Eigen::Vector3f center = camera.center.cast<float>();
+  return (center - viewpoint).norm() < kMostApart * (center - bounding_box(points).center()).norm();
+}
+
 /// points  points of the cloud; scattered ones are merged by pixel
 std::optional<SensorView> find_sensor(const Cloud& cloud, const Eigen::Vector3f& viewpoint,
                                       Points& points) {
@@ -138,6 +146,12 @@ std::optional<SensorView> find_sensor(const Cloud& cloud, const Eigen::Vector3f&
     view.geometry.width = view.grid.width;
     view.geometry.height = view.grid.height;
     return view;
+  }
+  if (cloud.grid) {
+    const std::optional<kernels::PosedCamera> posed =
+        kernels::fit_posed_camera(*cloud.grid, points);
+    if (posed && is_place_of(*posed, viewpoint, points))
+      return SensorView{posed->geometry, *cloud.grid, false};
   }
   const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;

@@ -118,6 +118,29 @@ TEST(FindView, BelievesTheCallerThenTheFile) {
               ViewSource::given, Vector3d(1, 2, 3));
 }
 
+// pcl::transformPointCloud and most writers leave the file's viewpoint at the origin.
+TEST(FindView, FindsWhereAnOrganizedScanThatWasMovedIsSeenFrom) {
+  const test::Shape bracket = test::bracket();
+  Cloud scan = test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {0, 0, 0.9F})}});
+  scan.camera.reset();
+  expect_view(find_view(scan, {}), SceneKind::points, ViewSource::file, Vector3d::Zero());
+  const Pose motion = test::pose_of({0.4F, -1.2F, 2}, {0.85F, -0.22F, 1.1F});
+  scan = moved(scan, motion);
+  for (const Vector3d& offset : {Vector3d(0, 0, 0), Vector3d(4e5, 5.4e6, 0)}) {
+    scan.offset = offset;
+    scan.viewpoint = offset.isZero() ? std::optional(Vector3f(0, 0, 0)) : std::nullopt;
+    const SceneView view = find_view(scan, {});
+    EXPECT_EQ(name_of(view.kind), "image");
+    EXPECT_EQ(name_of(view.source), "grid");
+    ASSERT_TRUE(view.viewpoint && view.residual);
+    EXPECT_LT((*view.viewpoint - offset - motion.translation().cast<double>()).norm(), 1e-3);
+    EXPECT_LT(*view.residual, 0.05);
+  }
+  scan.offset.setZero();
+  scan.viewpoint = Vector3f(0, 0, 2);
+  expect_view(find_view(scan, {}), SceneKind::points, ViewSource::file, Vector3d(0, 0, 2));
+}
+
 TEST(FindView, AssumesTheOriginForPoints) {
   Cloud points = triangulated_scan();
   points.triangles = {};

@@ -147,6 +147,20 @@ TEST(PrepareScene, MeasuresScatteredPointsWhereTheyAre) {
   EXPECT_NEAR(mean_depth_error(0.003F), 0, 1e-4F);
 }
 
+TEST(PrepareScene, MeasuresAMovedOrganizedScanAsTheSensorDid) {
+  Cloud cloud = two_parts();
+  const engine::PreparedScene before = prepare(cloud, {});
+  cloud.camera.reset();
+  const Pose motion = test::pose_of({0.4F, -1.2F, 2}, {0.85F, -0.22F, 1.1F});
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points.set(i, motion * cloud.points[i]);
+  const engine::PreparedScene after = prepare(cloud, {});
+  EXPECT_EQ(name_of(after.view.source), "grid");
+  ASSERT_EQ(after.images[0].depth.size(), before.images[0].depth.size());
+  for (std::size_t pixel = 0; pixel < before.images[0].depth.size(); ++pixel)
+    ASSERT_NEAR(after.images[0].depth[pixel], before.images[0].depth[pixel], 1e-4F);
+}
+
 // The pixels of noisy_parts() have independent errors.
 TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   const engine::PreparedScene scene = prepare(noisy_parts(), {});
