@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/options/recognize_options.hpp"
@@ -67,7 +68,8 @@ class PoseTester {
   /// Refine a pose once more with all samples.
   Pose polished(const Pose& pose) const;
 
-  /// Test a pose by rays.
+  /// Test a pose by rays. If the rays and the edges of the scan ask for a pose beside it that
+  /// scores higher, the result is that one: see kernels::PoseEquations.
   TestedPose examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                      const Pose& pose, kernels::ExamineScratch& scratch) const;
   /// Verdicts of the individual rays of that test.
@@ -76,6 +78,11 @@ class PoseTester {
 
  private:
   kernels::ExamineOptions examine_options(const Pose& pose) const;
+  TestedPose examine_once(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                          const Pose& pose, kernels::ExamineScratch& scratch,
+                          kernels::PoseEquations& equations) const;
+  bool are_apart(const Pose& a, const Pose& b) const;
+  std::optional<Pose> solve(const Pose& pose, const kernels::PoseEquations& equations) const;
   const std::optional<Symmetry::Axis>& free_axis() const;
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;

@@ -34,9 +34,32 @@ constexpr float kShallow = 6;
 // more than a tolerance behind the model are certain violations.
 constexpr float kSoftness = 1.5F;
 
+// The distance of an outline from an edge of the scan errs by half a pixel, alike for the next two
+// pixels along it. What a whole side errs by, since sensors shift edges and cameras are calibrated
+// to about a pixel, no number of pixels reduces.
+constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.7, kSides = 4;
+constexpr int kEdgeReach = 12;       // pixels from the model's end to that of the surface
+constexpr int kCertain = 2;          // pixels measured beyond the model before a gap
+constexpr float kFlatCosine = 0.3F;  // of incidence: a surface that is continued in its plane
+constexpr float kLeastAlong = 0.3F;  // cosine between a step and the direction across an outline
+
 constexpr int kMostReach = 4096;  // pixels; unbounded for a surface next to the camera
 
 enum State : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
+
+/// Rows of the equations of a pose.
+struct Equations {
+  PoseEquations sums;
+  double count = 0;
+
+  /// Add a row: J x is to be `distance`, up to this standard deviation.
+  void add(const Vector6& J, double distance, double deviation) {
+    const double weight = 1 / (deviation * deviation);
+    sums.information.noalias() += weight * J * J.transpose();
+    sums.gradient.noalias() += weight * distance * J;
+    count += 1;
+  }
+};
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
@@ -46,12 +69,21 @@ struct Sums {
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   double outline = 0;  // number of outline positions
   Matrix6 outline_covariance = Matrix6::Zero();
+  Equations surfaces, edges;
 };
 
 /// A ray, and the direction along the image in which the surface that it hit ends.
 struct RayEnd {
   int i, j;    // index of the ray in the crop
   int di, dj;  // one of the four steps to a neighbor
+};
+
+/// What a pixel near an end of the model measures.
+enum class Place : std::uint8_t {
+  surface,  // the surface before the end, continued in its plane
+  behind,   // something farther
+  unmeasured,
+  elsewhere,  // something nearer, or in contact
 };
 
 /// One image's share of an examination.
@@ -72,7 +104,8 @@ class Examiner {
         center_(T_camera_model_ * model.samples.center),
         edge_(options.edge_pixels),
         softness_(std::max(1e-6F, kSoftness * options.correlation)),
-        crop_(box, kMargin) {}
+        crop_(box, kMargin),
+        pixel_error_(pixel_error()) {}
 
   const RayCrop& crop() const noexcept { return crop_; }
 
@@ -142,6 +175,7 @@ class Examiner {
           sums.spread.noalias() += place * place.transpose();
           const Vector6 J = constraint(ray * z, normal);
           sums.covariance.noalias() += J * J.transpose();
+          sums.surfaces.add(J, static_cast<double>(-r), pixel_error_);
           if (explained)
             explained->pixels.push_back(first_pixel + static_cast<std::uint32_t>(v) * g_.width +
                                         static_cast<std::uint32_t>(u));
@@ -293,6 +327,7 @@ class Examiner {
   void judge_end(const RayEnd& end, Examination& out, Sums& sums) const {
     const bool free = judge_beyond(end, out);
     sums.outline += 1;
+    add_edge(end, sums);
     if (!free || !agrees_within(end)) return;
     const Vector6 J = outline_constraint(end.i, end.j);
     sums.outline_covariance.noalias() += J * J.transpose();
@@ -338,6 +373,98 @@ class Examiner {
     return open;
   }
 
+  /// Standard deviation of a pixel that counts for the rays around it: errors that neighbors share
+  /// do not average out within a window.
+  double pixel_error() const noexcept {
+    const double side = std::max(
+        1.0, (2 * static_cast<double>(options_.window) + 1) / static_cast<double>(crop_.stride));
+    const auto own = static_cast<double>(options_.error),
+               shared = static_cast<double>(options_.correlated_noise.height);
+    return std::sqrt(own * own + side * side * shared * shared);
+  }
+
+  /// Add the distance between the model's end and that of the measured surface before it, if the
+  /// surface ends nearby, before something farther.
+  void add_edge(const RayEnd& end, Sums& sums) const {
+    const std::optional<float> pixels = distance_to_edge(end);
+    if (!pixels) return;
+    const Eigen::Vector2f across = direction_away(end.i, end.j);
+    const float along =
+        across.x() * static_cast<float>(end.di) + across.y() * static_cast<float>(end.dj);
+    if (!(along > kLeastAlong)) return;
+    const float z = depth_at(end.i, end.j);
+    const float pixel = z / g_.fx;
+    // Steps in both directions meet a slanted outline more often than a straight one.
+    const auto share = static_cast<double>(along * static_cast<float>(crop_.stride));
+    const double deviation = static_cast<double>(pixel) *
+                             (kEdgeError + static_cast<double>(edge_)) *
+                             std::sqrt(kEdgeRun / share);
+    sums.edges.add(edge_constraint(end, across), static_cast<double>(*pixels * along * pixel),
+                   deviation);
+  }
+
+  /// Number of pixels from the model's end to that of the measured surface, beyond it or negative.
+  /// Empty if the surface does not end nearby before something farther; or if it is oblique, since
+  /// sensors do not measure it up to its end.
+  std::optional<float> distance_to_edge(const RayEnd& end) const noexcept {
+    const int u = crop_.u(end.i), v = crop_.v(end.j);
+    const Eigen::Vector3f ray = ray_through(g_, u, v);
+    const std::size_t at = crop_.at(end.i, end.j);
+    Eigen::Vector3f normal = (T_camera_model_.linear() * s_.hits.normals[at]).normalized();
+    if (normal.dot(ray) > 0) normal = -normal;
+    if (!(-normal.dot(ray) > kFlatCosine * ray.norm())) return std::nullopt;
+    const float offset = normal.dot(ray) * depth_at(end.i, end.j);
+    const auto place_at = [&](int step) {
+      const int x = u + step * end.di, y = v + step * end.dj;
+      if (!inside(x, y)) return Place::elsewhere;
+      const std::size_t pixel = pixel_at(x, y);
+      const float d = image_.depth[pixel];
+      if (!(d > 0)) return Place::unmeasured;
+      const float behind = d - offset / normal.dot(ray_through(g_, x, y));
+      if (std::abs(behind) > jump_) return behind > 0 ? Place::behind : Place::elsewhere;
+      const float cosine = image_.normals[pixel].dot(normal);
+      return cosine < kFoldCosine ? Place::elsewhere : Place::surface;  // NaN: no normal
+    };
+    const Place own = place_at(0);
+    if (own != Place::surface && own != Place::behind) return std::nullopt;
+    const int side = own == Place::surface ? 1 : -1;
+    for (int step = side; std::abs(step) <= kEdgeReach; step += side) {
+      const Place place = place_at(step);
+      if (place == own) continue;
+      // The surface may go on where nothing is measured.
+      const bool is_end =
+          side > 0 ? place == Place::behind || (place == Place::unmeasured && step > kCertain)
+                   : place == Place::surface;
+      if (!is_end) return std::nullopt;
+      const int last = side > 0 ? step - 1 : step;
+      return static_cast<float>(last) + 0.5F - 0.5F * static_cast<float>(crop_.stride);
+    }
+    return std::nullopt;
+  }
+
+  /// The direction in the image perpendicular to the outline, away from the model; a unit vector or
+  /// zero.
+  Eigen::Vector2f direction_away(int i, int j) const noexcept {
+    Eigen::Vector2f missed(0, 0);
+    for (int dj = -kAcross; dj <= kAcross; ++dj) {
+      for (int di = -kAcross; di <= kAcross; ++di) {
+        if (di * di + dj * dj > kAcross * kAcross + 1) continue;
+        if (s_.state[crop_.at(i + di, j + dj)] == kMissed)
+          missed += Eigen::Vector2f(static_cast<float>(di), static_cast<float>(dj));
+      }
+    }
+    return missed.norm() > 0 ? missed.normalized() : Eigen::Vector2f::Zero();
+  }
+
+  /// J of a point of the outline for motion across it.
+  Vector6 edge_constraint(const RayEnd& end, const Eigen::Vector2f& across) const noexcept {
+    const float z = depth_at(end.i, end.j);
+    const Eigen::Vector3f ray = ray_through(g_, crop_.u(end.i), crop_.v(end.j));
+    const Eigen::Vector2f a(across.x() * g_.fx, across.y() * g_.fy);
+    const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
+    return constraint(ray * z, n.normalized());
+  }
+
   /// Whether the sensor saw the model up to its end here, except for grazing rays and those over
   /// which edges are blurred.
   bool agrees_within(const RayEnd& end) const noexcept {
@@ -352,12 +479,7 @@ class Examiner {
 
   /// J of the outline, whose motion across itself would be visible.
   Vector6 outline_constraint(int i, int j) const noexcept {
-    const float z = depth_at(i, j);
-    const Eigen::Vector3f ray = ray_through(g_, crop_.u(i), crop_.v(j));
-    const Eigen::Vector2f across = direction_across(i, j);
-    const Eigen::Vector2f a(across.x() * g_.fx, across.y() * g_.fy);
-    const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
-    return constraint(ray * z, n.normalized());
+    return edge_constraint({i, j, 0, 0}, direction_across(i, j));
   }
 
   /// The direction in the image perpendicular to the outline, to 4 degrees; a unit vector. Zero if
@@ -429,6 +551,7 @@ class Examiner {
   int edge_;        // [pixel]
   float softness_;  // [tolerances]
   RayCrop crop_;
+  double pixel_error_;  // standard deviation of a row of the equations
 };
 
 /// Effect of rotation about the symmetry axis on J, as a unit vector; zero without an axis.
@@ -442,6 +565,16 @@ Vector6 free_turn(const PosedModel& model,
       T_scene_model * model.samples.center - T_scene_model * Eigen::Vector3f(free_axis->point);
   turn << axis.cast<double>(), (axis.cross(arm) / (0.5F * model.samples.diameter)).cast<double>();
   return turn.normalized();
+}
+
+/// The equations of surfaces and edges, of which those of a side err alike.
+PoseEquations joined(const Sums& sums) {
+  const double weight = 1 / (1 + kSharedEdgeError * kSharedEdgeError * sums.edges.count /
+                                     (kSides * kEdgeError * kEdgeError * kEdgeRun));
+  PoseEquations all = sums.surfaces.sums;
+  all.information += weight * sums.edges.sums.information;
+  all.gradient += weight * sums.edges.sums.gradient;
+  return all;
 }
 
 /// Standard deviation of the consistent points from their best-fit plane.
@@ -458,7 +591,8 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
                          const std::optional<Symmetry::Axis>& free_axis,
                          const ExamineOptions& options, ExamineScratch& scratch,
                          const ExamineLists& lists) {
-  const auto [explained, rays] = lists;
+  const auto [explained, rays, equations] = lists;
+  if (equations) *equations = {};
   if (explained) *explained = {};
   if (rays) rays->clear();
   const ModelSamples& samples = model.samples;
@@ -479,6 +613,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
     }
     first_pixel += static_cast<std::uint32_t>(image.depth.size());
   }
+  if (equations) *equations = joined(sums);
   if (sums.count == 0) return out;
   const float shared = options.correlated_noise.height / options.verify.tolerance;
   const auto beyond = [](double squares, float expected) {

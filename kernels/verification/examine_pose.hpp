@@ -1,6 +1,7 @@
 /// Comparison of a posed model with the scan, ray by ray: the full test of a hypothesis.
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -59,6 +60,8 @@ struct ExamineOptions {
   CorrelatedNoise correlated_noise{};  ///< correlated noise of the scan, which lowers no score
   float correlation = 0;  ///< correlation of the scan's errors from pixel to pixel, 0..1
   int edge_pixels = 0;    ///< possible shift of outlines in the scan
+  /// Standard deviation of a measurement across surfaces, > 0 for equations [scene unit].
+  float error = 0;
 };
 
 /// Working memory of examine_pose.
@@ -90,11 +93,26 @@ struct JudgedRay {
   RayVerdict verdict;
 };
 
+/// Normal equations of a small motion x that brings a posed model and the scan together: x =
+/// information^-1 gradient, a rotation about the image of the model's center in half diameters
+/// (left-multiplied), then a translation, both in the scene's frame and unit.
+///
+/// Rows are the distances of consistent pixels along the normal, and where the model ends, the
+/// distance across the outline to where the measured surface ends: a flat face is free to slide
+/// but for its ends. Each is divided by its standard deviation, so that the inverse of the
+/// information is the covariance of the pose. Sources: Chen and Medioni, 1992 (point to plane);
+/// Censi, ICRA 2007 (covariance of a registration).
+struct PoseEquations {
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
+};
+
 /// Optional lists of an examination; each is overwritten.
 struct ExamineLists {
   ExplainedPixels* explained = nullptr;    ///< the consistent pixels
   std::vector<JudgedRay>* rays = nullptr;  ///< verdicts of single rays; a ray at an end of the
                                            ///< model may occur twice
+  PoseEquations* equations = nullptr;      ///< require ExamineOptions::error
 };
 
 /// Cast rays at the model through the pixels that it may cover, at most some 2,500 per image, and

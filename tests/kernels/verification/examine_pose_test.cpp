@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "kernels/common/pose_math.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_examination.hpp"
@@ -104,6 +105,84 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_GT(e.outline_free, 100);
   EXPECT_EQ(e.outline_crossed, 0);
   EXPECT_GT(e.stability, 0.005F) << "three faces hold a box";
+}
+
+/// The equations of an examination with measurements that err by a tenth of the tolerance.
+PoseEquations equations_of(const RangeImage& image, const Body& body, const Pose& pose) {
+  ExamineOptions options;
+  options.verify.tolerance = kTolerance;
+  options.error = 0.1F * kTolerance;
+  ExamineScratch scratch;
+  PoseEquations equations;
+  examine_pose({&image, 1}, {body.surface, body.samples, pose}, {}, options, scratch,
+               {.equations = &equations});
+  return equations;
+}
+
+/// The pose after a few steps by these equations.
+Pose solved(const RangeImage& image, const Body& body, Pose pose) {
+  for (int step = 0; step < 4; ++step) {
+    const PoseEquations e = equations_of(image, body, pose);
+    const Eigen::Matrix<double, 6, 1> x = e.information.ldlt().solve(e.gradient);
+    const double radius = 0.5 * static_cast<double>(body.samples.diameter);
+    pose = small_motion((x.head<3>() / radius).cast<float>(), x.tail<3>().cast<float>(),
+                        pose.translation()) *
+           pose;
+  }
+  return pose;
+}
+
+/// The front of a brick, as a camera sees it that looks straight at it: 50 x 30 pixels.
+const Pose kFacing = test::pose_of({0, 0, 0}, {0.01F, -0.02F, 0.64F});
+constexpr float kPixel = 0.6F / 150;
+
+TEST(PoseEquations, LeadAFlatFaceThatSlidBackToItsEnds) {
+  const RangeImage image = render({{&brick(), kFacing}});
+  for (const Vector3f& slide :
+       {Vector3f(4, 0, 0), Vector3f(-3, 5, 0), Vector3f(0.6F, -0.4F, 0), Vector3f(0, 0, 0.4F)}) {
+    const Pose start = Eigen::Translation3f(kPixel * slide) * kFacing;
+    const Pose found = solved(image, brick(), start);
+    EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.35F * kPixel)
+        << slide.transpose();
+    EXPECT_LT(rotation_angle(found.linear(), kFacing.linear()), 0.01F);
+  }
+  const Pose turned = test::pose_of({0, 0, 0.1F}, kFacing.translation());
+  EXPECT_LT(rotation_angle(solved(image, brick(), turned).linear(), kFacing.linear()), 0.01F);
+}
+
+/// Information on a slide along x.
+double information_on_slide(const RangeImage& image) {
+  return equations_of(image, brick(), kFacing).information(3, 3);
+}
+
+TEST(PoseEquations, HoldASlideByEdgesAloneWhereTheSceneFallsBack) {
+  RangeImage image = render({{&brick(), kFacing}});
+  EXPECT_GT(information_on_slide(image), 1 / static_cast<double>(kPixel * kPixel));
+  RangeImage unmeasured = image;
+  for (float& depth : unmeasured.depth) depth = depth == kFar ? 0 : depth;
+  EXPECT_LT(information_on_slide(unmeasured), 1) << "the face may go on there";
+  RangeImage in_contact = image;
+  for (float& depth : in_contact.depth) depth = depth == kFar ? 0.6F : depth;
+  EXPECT_LT(information_on_slide(in_contact), 1) << "the face goes on";
+}
+
+// In a window, shared errors do not average out.
+TEST(PoseEquations, CountCorrelatedErrorsOncePerWindow) {
+  const RangeImage image = render({{&brick(), kCorner}});
+  ExamineOptions options;
+  options.verify.tolerance = kTolerance;
+  options.error = 0.1F * kTolerance;
+  options.window = 2;
+  const auto depth_information = [&](float shared) {
+    options.correlated_noise.height = shared;
+    ExamineScratch scratch;
+    PoseEquations e;
+    examine_pose({&image, 1}, {brick().surface, brick().samples, kCorner}, {}, options, scratch,
+                 {.equations = &e});
+    return e.information(5, 5);
+  };
+  const float shared = 0.2F * kTolerance;
+  EXPECT_NEAR(depth_information(0) / depth_information(shared), 1 + 25 * 4, 40);
 }
 
 /// Expects the sums over single rays to equal the examination.
