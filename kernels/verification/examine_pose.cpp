@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "kernels/common/slope_fit.hpp"
@@ -386,7 +387,8 @@ class Examiner {
   /// Add the distance between the model's end and that of the measured surface before it, if the
   /// surface ends nearby, before something farther.
   void add_edge(const RayEnd& end, Sums& sums) const {
-    const std::optional<float> pixels = distance_to_edge(end);
+    const bool is_wanted = options_.error > 0;
+    const std::optional<float> pixels = is_wanted ? distance_to_edge(end) : std::nullopt;
     if (!pixels) return;
     const Eigen::Vector2f across = direction_away(end.i, end.j);
     const float along =
@@ -436,10 +438,26 @@ class Examiner {
           side > 0 ? place == Place::behind || (place == Place::unmeasured && step > kCertain)
                    : place == Place::surface;
       if (!is_end) return std::nullopt;
-      const int last = side > 0 ? step - 1 : step;
-      return static_cast<float>(last) + 0.5F - 0.5F * static_cast<float>(crop_.stride);
+      return static_cast<float>((side > 0 ? step - 1 : step) - pixels_beyond(end));
     }
     return std::nullopt;
+  }
+
+  /// Number of pixels beyond the last ray of the crop that still hit the model, by bisection. Both
+  /// ends are then rounded alike to pixels, and a right pose has distances of 0.
+  int pixels_beyond(const RayEnd& end) const noexcept {
+    const Pose T_model_camera = T_camera_model_.inverse();
+    int hit_at = 0, missed_at = crop_.stride;
+    while (missed_at - hit_at > 1) {
+      const int middle = (hit_at + missed_at) / 2;
+      const Eigen::Vector3f ray =
+          ray_through(g_, crop_.u(end.i) + middle * end.di, crop_.v(end.j) + middle * end.dj);
+      const bool is_hit = static_cast<bool>(
+          surface_.intersect(T_model_camera.translation(), T_model_camera.linear() * ray, 0,
+                             std::numeric_limits<float>::infinity()));
+      (is_hit ? hit_at : missed_at) = middle;
+    }
+    return hit_at;
   }
 
   /// The direction in the image perpendicular to the outline, away from the model; a unit vector or

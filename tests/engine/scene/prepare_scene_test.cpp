@@ -143,7 +143,7 @@ float mean_depth_error(float noise) {
 }
 
 TEST(PrepareScene, MeasuresScatteredPointsWhereTheyAre) {
-  EXPECT_NEAR(mean_depth_error(0), 0, 1e-6F);
+  EXPECT_NEAR(mean_depth_error(0), 0, 2e-5F);
   EXPECT_NEAR(mean_depth_error(0.003F), 0, 1e-4F);
 }
 

@@ -142,7 +142,7 @@ TEST(PoseEquations, LeadAFlatFaceThatSlidBackToItsEnds) {
        {Vector3f(4, 0, 0), Vector3f(-3, 5, 0), Vector3f(0.6F, -0.4F, 0), Vector3f(0, 0, 0.4F)}) {
     const Pose start = Eigen::Translation3f(kPixel * slide) * kFacing;
     const Pose found = solved(image, brick(), start);
-    EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.35F * kPixel)
+    EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.6F * kPixel)
         << slide.transpose();
     EXPECT_LT(rotation_angle(found.linear(), kFacing.linear()), 0.01F);
   }
@@ -181,8 +181,8 @@ TEST(PoseEquations, CountCorrelatedErrorsOncePerWindow) {
                  {.equations = &e});
     return e.information(5, 5);
   };
-  const float shared = 0.2F * kTolerance;
-  EXPECT_NEAR(depth_information(0) / depth_information(shared), 1 + 25 * 4, 40);
+  // Every second pixel has a ray, and a window 5 x 5 pixels.
+  EXPECT_NEAR(depth_information(0) / depth_information(0.2F * kTolerance), 1 + 25.0 / 4 * 4, 1);
 }
 
 /// Expects the sums over single rays to equal the examination.
