@@ -26,6 +26,12 @@ constexpr double kLargestPlaceError = 0.01;  // of the distance to the points
 
 bool is_focal_length(double f) { return f > 0 && f <= kLargestFocalLength; }
 
+/// Column and row of a pixel.
+Vector2d position_of(std::size_t pixel, const PixelGrid& grid) {
+  const std::size_t column = pixel % grid.width, row = pixel / grid.width;
+  return {static_cast<double>(column), static_cast<double>(row)};
+}
+
 }  // namespace
 
 std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
@@ -39,8 +45,8 @@ std::optional<Camera> fit_camera(const PixelGrid& grid, PointsView points) {
       if (i == PixelGrid::kNone) continue;
       const Eigen::Vector3f p = points[static_cast<std::size_t>(i)];
       if (!(p.z() > 0)) continue;
-      body(static_cast<double>(pixel % grid.width), static_cast<double>(pixel / grid.width),
-           static_cast<double>(p.x()) / p.z(), static_cast<double>(p.y()) / p.z());
+      const Vector2d at = position_of(pixel, grid);
+      body(at.x(), at.y(), static_cast<double>(p.x()) / p.z(), static_cast<double>(p.y()) / p.z());
     }
   };
   each([&](double u, double v, double x, double y) {
@@ -102,8 +108,7 @@ std::vector<PixelPoint> choose_points(const PixelGrid& grid, PointsView points) 
     const std::int32_t i = grid.point_index[pixel];
     if (i == PixelGrid::kNone || rank++ % stride != 0) continue;
     chosen.push_back(
-        {points[static_cast<std::size_t>(i)].cast<double>(),
-         {static_cast<double>(pixel % grid.width), static_cast<double>(pixel / grid.width)}});
+        {points[static_cast<std::size_t>(i)].cast<double>(), position_of(pixel, grid)});
   }
   return chosen;
 }
@@ -265,8 +270,7 @@ bool is_image(const Pinhole& camera, const PixelGrid& grid, PointsView points) {
     const Vector3d p = camera.in_camera(points[static_cast<std::size_t>(i)].cast<double>());
     n += 1;
     if (!(p.z() > 0)) continue;
-    const Vector2d off = camera.project(p) - Vector2d(static_cast<double>(pixel % grid.width),
-                                                      static_cast<double>(pixel / grid.width));
+    const Vector2d off = camera.project(p) - position_of(pixel, grid);
     within += off.cwiseAbs().maxCoeff() < kWithin;
   }
   return within >= kShareWithin * n;

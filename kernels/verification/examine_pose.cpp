@@ -353,12 +353,10 @@ class Examiner {
       any = true;
       const std::size_t pixel = pixel_at(u, v);
       const float d = image_.depth[pixel];
-      if (d > 0 && d < z - jump_) {
-        judged = false;  // hidden by something nearer
-      } else if (!(d > 0) || d > z + jump_) {
+      if (!(d > 0) || d > z + jump_) {
         open = true;
-      } else if (options_.verify.is_background(image_.near_plane[pixel])) {
-        judged = false;  // objects stand on it
+      } else if (d < z - jump_ || options_.verify.is_background(image_.near_plane[pixel])) {
+        judged = false;  // hidden by something nearer, or standing on a table
       }
     }
     if (!any) return false;
