@@ -16,7 +16,8 @@ std::optional<std::string> view_words(const SceneView& view) {
       break;
     case ViewSource::grid:
       return fmt::format(
-          "treated as seen from {}, where its rows and columns meet to {:.2g} pixels; if the sensor "
+          "treated as seen from {}, where its rows and columns meet to {:.2g} pixels; if the "
+          "sensor "
           "stood elsewhere, give its viewpoint",
           place(), *view.residual);
     case ViewSource::faces:

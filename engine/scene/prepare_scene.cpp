@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 #include "engine/common/check_extent.hpp"
@@ -229,6 +230,11 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
   kernels::fit_sensor_model(patches, sensor);
 }
 
+Error too_few_points(const SceneInput& input, std::string_view which, std::size_t num_points) {
+  return {ErrorCode::bad_data, fmt::format("{}: expected a scan of at least {} points{}, found {}",
+                                           input.file.string(), kFewestPoints, which, num_points)};
+}
+
 Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                                   const PrepareOptions& options, PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
@@ -244,6 +250,8 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
   const std::optional<SensorView> view = find_sensor(cloud, viewpoint, scene.points);
   if (!view) return no_visible_points();
   if (!view->scattered) scene.view.kind = SceneKind::image;
+  if (scene.points.size() < kFewestPoints)
+    return too_few_points(input, " in different directions", scene.points.size());
   const kernels::ImageGeometry& geometry = view->geometry;
 
   Column<float> footprints;
@@ -487,9 +495,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
   scene.view = view;
   const bool closed = scene.view.kind == SceneKind::surface;
   if (!closed && cloud.points.size() < kFewestPoints) {
-    return Error{ErrorCode::bad_data,
-                 fmt::format("{}: expected a scan of at least {} points, found {}",
-                             input.file.string(), kFewestPoints, cloud.points.size())};
+    return too_few_points(input, "", cloud.points.size());
   }
   TRIVET_TRY(check_extent(scene.points, input.file.string()));
   TRIVET_TRY(closed ? prepare_closed_scene(choose_faces(cloud, scene), input, options, scene)

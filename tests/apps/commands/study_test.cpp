@@ -43,7 +43,7 @@ title = "Noise"
 scenes = ["piles"]
 methods = ["ppf", "trisi"]
 vary = "degrade.noise"
-values = [0, 4]
+values = [0, 10]
 set = { degrade.scattered = true }
 
 [[experiments]]
@@ -197,7 +197,7 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   constexpr std::size_t kFound = 6, kInstances = 7, kShare = 8, kLow = 9, kHigh = 10, kChange = 17;
   const std::string axis = "Gaussian noise [resolution of the scan]",
                     clean = "noise,Piles,ppf," + axis + ",0,",
-                    noisy = "noise,Piles,ppf," + axis + ",4,";
+                    noisy = "noise,Piles,ppf," + axis + ",10,";
   EXPECT_GT(number(clean, kInstances), 3);
   EXPECT_GT(number(clean, kFound), number(noisy, kFound));
   EXPECT_NEAR(number(clean, kShare), number(clean, kFound) / number(clean, kInstances), 1e-6);
@@ -233,8 +233,8 @@ TEST_F(Study, SaysWhatTheCellsSayOnAPageThatNeedsNothingElse) {
   };
   const std::string trisi = "noise,Piles,trisi," + axis;
   EXPECT_NE(page.find("<li><a href=\"#noise\">Noise</a>: ppf finds " + share(clean) + " at 0 and " +
-                      share(noisy) + " at 4, trisi " + share(trisi + ",0,") + " at 0 and " +
-                      share(trisi + ",4,") + " at 4.\n"),
+                      share(noisy) + " at 10, trisi " + share(trisi + ",0,") + " at 0 and " +
+                      share(trisi + ",10,") + " at 10.\n"),
             std::string::npos);
   EXPECT_NE(page.find("ppf finds " + share(usual) + " at the default, 15; "), std::string::npos);
   EXPECT_NE(page.find("from without rays to all, F1 goes from "), std::string::npos);
