@@ -10,6 +10,7 @@
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/fit_camera.hpp"
 #include "kernels/surfaces/solid_angles.hpp"
+#include "storage/data/bounding_box.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -90,26 +91,32 @@ ViewSource source_of(const Cloud& cloud, const SceneInput& input) {
   return cloud.viewpoint ? ViewSource::file : ViewSource::assumed;
 }
 
-/// The view of an organized scan whose points were moved into another frame, as its rows and columns
-/// determine it. Writers that know no viewpoint write the origin, so that a file's origin counts as
-/// none. Empty if the sensor is at the origin, or if the scan is not a pinhole image.
-std::optional<SceneView> view_of_grid(const Cloud& cloud, ViewSource source) {
-  const bool is_open =
-      source == ViewSource::assumed || (source == ViewSource::file && cloud.viewpoint->isZero());
-  if (!is_open || !cloud.grid) return std::nullopt;
-  if (cloud.offset.isZero(0) && kernels::fit_camera(*cloud.grid, cloud.points)) return std::nullopt;
-  const std::optional<kernels::PosedCamera> posed =
-      kernels::fit_posed_camera(*cloud.grid, cloud.points);
-  if (!posed) return std::nullopt;
-  return SceneView{SceneKind::image, ViewSource::grid, posed->center + cloud.offset,
-                   posed->residual};
+/// The camera of an organized scan for which none is stated. Empty if it is not a pinhole image.
+std::optional<kernels::PosedCamera> recover_camera(const Cloud& cloud) {
+  if (!cloud.grid || cloud.camera) return std::nullopt;
+  if (cloud.offset.isZero(0)) {
+    // Most scans are in their camera's frame.
+    if (const std::optional<Camera> camera = kernels::fit_camera(*cloud.grid, cloud.points))
+      return kernels::PosedCamera{.geometry = kernels::geometry_of(*camera, *cloud.grid)};
+  }
+  return kernels::fit_posed_camera(*cloud.grid, cloud.points);
 }
 
-}  // namespace
+/// Whether a camera stands where the sensor is said to.
+bool is_at(const kernels::PosedCamera& camera, const Vector3d& viewpoint, PointsView points) {
+  constexpr double kMostApart = 0.01;  // of the distance to the points
+  const double distance = (camera.center - bounding_box(points).center().cast<double>()).norm();
+  return (camera.center - viewpoint).norm() < kMostApart * distance;
+}
 
-Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
+Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input,
+                            const std::optional<kernels::PosedCamera>& camera) {
   const ViewSource source = source_of(cloud, input);
-  if (const std::optional<SceneView> view = view_of_grid(cloud, source)) return *view;
+  const bool is_open =
+      source == ViewSource::assumed || (source == ViewSource::file && cloud.viewpoint->isZero());
+  if (is_open && camera && !camera->center.isZero())
+    return SceneView{SceneKind::image, ViewSource::grid, camera->center + cloud.offset,
+                     camera->residual};
   if (source == ViewSource::assumed && !cloud.triangles.empty()) {
     if (input.closed_surface && !cloud.grid)
       return SceneView{SceneKind::surface, ViewSource::given};
@@ -118,6 +125,17 @@ Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input) {
   TRIVET_TRY_ASSIGN(const Eigen::Vector3f place,
                     find_viewpoint(cloud, input.viewpoint, input.file.string()));
   return SceneView{SceneKind::points, source, place.cast<double>() + cloud.offset};
+}
+
+}  // namespace
+
+Result<FoundView> find_view(const Cloud& cloud, const SceneInput& input) {
+  const std::optional<kernels::PosedCamera> camera = recover_camera(cloud);
+  TRIVET_TRY_ASSIGN(const SceneView view, find_view(cloud, input, camera));
+  FoundView found{view};
+  if (camera && view.viewpoint && is_at(*camera, *view.viewpoint - cloud.offset, cloud.points))
+    found.geometry = camera->geometry;
+  return found;
 }
 
 }  // namespace trivet::engine

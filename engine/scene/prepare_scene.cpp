@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <string_view>
 #include <utility>
 
@@ -16,7 +17,6 @@
 #include "engine/scene/find_view.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
-#include "kernels/scans/fit_camera.hpp"
 #include "kernels/scans/merge_pixels.hpp"
 #include "kernels/scans/plane_samples.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
@@ -122,38 +122,17 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   }
 }
 
-/// Whether a camera stands where the sensor is said to.
-bool is_place_of(const kernels::PosedCamera& camera, const Eigen::Vector3f& viewpoint,
-                 PointsView points) {
-  constexpr float kMostApart = 0.01F;  // of the distance to the points
-  const Eigen::Vector3f center = camera.center.cast<float>();
-  return (center - viewpoint).norm() < kMostApart * (center - bounding_box(points).center()).norm();
-}
-
-/// points  points of the cloud; scattered ones are merged by pixel
-std::optional<SensorView> find_sensor(const Cloud& cloud, const Eigen::Vector3f& viewpoint,
-                                      Points& points) {
-  std::optional<Camera> camera = cloud.camera;
-  if (!camera && cloud.grid && viewpoint.isZero())
-    camera = kernels::fit_camera(*cloud.grid, points);
-  if (camera && cloud.grid) {
-    if (std::max(camera->fx, camera->fy) > kernels::kLargestFocalLength) return std::nullopt;
-    SensorView view;
-    view.grid = *cloud.grid;
-    view.geometry.fx = static_cast<float>(camera->fx);
-    view.geometry.fy = static_cast<float>(camera->fy);
-    view.geometry.cx = static_cast<float>(camera->cx);
-    view.geometry.cy = static_cast<float>(camera->cy);
-    view.geometry.width = view.grid.width;
-    view.geometry.height = view.grid.height;
-    return view;
+/// recovered  geometry that the grid determines
+/// points     points of the cloud; scattered ones are merged by pixel
+std::optional<SensorView> find_sensor(const Cloud& cloud,
+                                      const std::optional<kernels::ImageGeometry>& recovered,
+                                      const Eigen::Vector3f& viewpoint, Points& points) {
+  if (cloud.camera && cloud.grid) {
+    if (std::max(cloud.camera->fx, cloud.camera->fy) > kernels::kLargestFocalLength)
+      return std::nullopt;
+    return SensorView{kernels::geometry_of(*cloud.camera, *cloud.grid), *cloud.grid, false};
   }
-  if (cloud.grid) {
-    const std::optional<kernels::PosedCamera> posed =
-        kernels::fit_posed_camera(*cloud.grid, points);
-    if (posed && is_place_of(*posed, viewpoint, points))
-      return SensorView{posed->geometry, *cloud.grid, false};
-  }
+  if (recovered) return SensorView{*recovered, *cloud.grid, false};
   const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;
   kernels::MergedPixels merged = kernels::merge_pixels(*geometry, points);
@@ -235,8 +214,11 @@ Error too_few_points(const SceneInput& input, std::string_view which, std::size_
                                            input.file.string(), kFewestPoints, which, num_points)};
 }
 
-Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
-                                  const PrepareOptions& options, PreparedScene& scene) {
+/// recovered  geometry that the grid determines [library unit]
+Result<void> prepare_sensor_scene(const Cloud& cloud,
+                                  const std::optional<kernels::ImageGeometry>& recovered,
+                                  const SceneInput& input, const PrepareOptions& options,
+                                  PreparedScene& scene) {
   const Eigen::Vector3f viewpoint =
       in_cloud_frame(*scene.view.viewpoint, cloud.offset) * static_cast<float>(input.scale);
   const auto no_visible_points = [&] {
@@ -247,7 +229,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud, const SceneInput& input,
                              input.file.string(), viewpoint.x(), viewpoint.y(), viewpoint.z(),
                              cloud.points.size())};
   };
-  const std::optional<SensorView> view = find_sensor(cloud, viewpoint, scene.points);
+  const std::optional<SensorView> view = find_sensor(cloud, recovered, viewpoint, scene.points);
   if (!view) return no_visible_points();
   if (!view->scattered) scene.view.kind = SceneKind::image;
   if (scene.points.size() < kFewestPoints)
@@ -491,15 +473,17 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
       for (float& value : column) value *= scale;
     }
   }
-  TRIVET_TRY_ASSIGN(SceneView view, find_view(cloud, input));
-  scene.view = view;
+  TRIVET_TRY_ASSIGN(FoundView found, find_view(cloud, input));
+  scene.view = found.view;
+  if (found.geometry)
+    found.geometry->T_camera_scene.translation() *= static_cast<float>(input.scale);
   const bool closed = scene.view.kind == SceneKind::surface;
   if (!closed && cloud.points.size() < kFewestPoints) {
     return too_few_points(input, "", cloud.points.size());
   }
   TRIVET_TRY(check_extent(scene.points, input.file.string()));
   TRIVET_TRY(closed ? prepare_closed_scene(choose_faces(cloud, scene), input, options, scene)
-                    : prepare_sensor_scene(cloud, input, options, scene));
+                    : prepare_sensor_scene(cloud, found.geometry, input, options, scene));
   return scene;
 }
 

@@ -37,6 +37,16 @@ struct ImageGeometry {
   }
 };
 
+/// The geometry of a camera in its own frame.
+inline ImageGeometry geometry_of(const Camera& camera, const PixelGrid& grid) {
+  return {.fx = static_cast<float>(camera.fx),
+          .fy = static_cast<float>(camera.fy),
+          .cx = static_cast<float>(camera.cx),
+          .cy = static_cast<float>(camera.cy),
+          .width = grid.width,
+          .height = grid.height};
+}
+
 /// Depth and normals per pixel; all columns have width * height values.
 struct RangeImage {
   ImageGeometry geometry;

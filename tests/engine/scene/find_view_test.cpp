@@ -66,9 +66,9 @@ Cloud wound_the_other_way(Cloud cloud) {
 }
 
 SceneView find_view(const Cloud& cloud, const SceneInput& input) {
-  const Result<SceneView> view = engine::find_view(cloud, input);
-  EXPECT_TRUE(view) << view.error().message;
-  return view ? *view : SceneView{};
+  const Result<engine::FoundView> found = engine::find_view(cloud, input);
+  EXPECT_TRUE(found) << found.error().message;
+  return found ? found->view : SceneView{};
 }
 
 void expect_view(const SceneView& view, SceneKind kind, ViewSource source,

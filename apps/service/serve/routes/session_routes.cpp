@@ -49,10 +49,11 @@ Result<ScanReading> reading_of(const ScanPart& scan, LengthUnit library_unit) {
                       scan.scene.unit.value_or(library_unit), scan.scene.camera,
                       scan.scene.viewpoint};
   if (reading.camera || reading.viewpoint) return reading;
-  const Result<SceneView> view = engine::find_view(*cloud, scan.scene.input(library_unit));
-  if (!view) return view.error();
-  if (view->kind != SceneKind::surface && view->source != ViewSource::file)
-    reading.viewpoint = view->viewpoint;
+  TRIVET_TRY_ASSIGN(const engine::FoundView found,
+                    engine::find_view(*cloud, scan.scene.input(library_unit)));
+  const SceneView& view = found.view;
+  if (view.kind != SceneKind::surface && view.source != ViewSource::file)
+    reading.viewpoint = view.viewpoint;
   return reading;
 }
 
