@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
@@ -138,15 +139,18 @@ std::vector<kernels::JudgedRay> PoseTester::judged_rays(const kernels::RayScene&
 TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                                const Pose& pose, kernels::ExamineScratch& scratch) const {
   kernels::PoseEquations equations;
-  TestedPose tested = examine_once(surface, score, pose, scratch, equations);
-  TestedPose optimum = tested;
-  for (int step = 0; step < kSteps && optimum.score > kWorthMoving; ++step) {
-    const std::optional<Pose> moved = solve(optimum.T_scene_model, equations);
+  TestedPose tested = examine_once(surface, score, pose, scratch, equations), optimum;
+  Pose at = pose;
+  float score_at = tested.score;
+  for (int step = 0; step < kSteps && score_at > kWorthMoving; ++step) {
+    const std::optional<Pose> moved = solve(at, equations);
     if (!moved || (step == 0 && !are_apart(pose, *moved))) break;
-    optimum = examine_once(surface, score, *moved, scratch, equations);
+    at = *moved;
+    optimum = examine_once(surface, score, at, scratch, equations);
+    score_at = optimum.score;
   }
-  const bool is_better = optimum.score > tested.score && are_apart(pose, optimum.T_scene_model);
-  return is_better ? optimum : tested;
+  const bool is_better = score_at > tested.score && are_apart(pose, at);
+  return is_better ? std::move(optimum) : std::move(tested);
 }
 
 /// Whether two poses differ by more than edges of the scan are known to.

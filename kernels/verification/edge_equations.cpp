@@ -1,0 +1,125 @@
+#include "kernels/verification/edge_equations.hpp"
+
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace trivet::kernels {
+namespace {
+
+// The distance of an outline from an edge of the scan errs by half a pixel, alike for the next two
+// pixels along it. What a whole side errs by, since sensors shift edges and cameras are calibrated
+// to about a pixel, no number of pixels reduces.
+constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.7, kSides = 4;
+constexpr int kEdgeReach = 12;       // pixels from the model's end to that of the surface
+constexpr int kCertain = 2;          // pixels measured beyond the model before a gap
+constexpr float kFlatCosine = 0.3F;  // of incidence: a surface that is continued in its plane
+constexpr float kLeastAlong = 0.3F;  // cosine between a step and the direction across an outline
+// Cosine of 30 degrees: noise turns normals by less.
+constexpr float kContinues = 0.866F;
+
+/// What a pixel near an end of the model measures.
+enum class Place : std::uint8_t {
+  surface,  // the surface before the end, continued in its plane
+  behind,   // something farther
+  unmeasured,
+  elsewhere,  // something nearer, or in contact
+};
+
+/// Number of pixels beyond the last ray of the crop that still hit the model, by bisection. Both
+/// ends are then rounded alike to pixels, and a right pose has distances of 0.
+int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
+  const Pose T_model_camera = rays.T_camera_model.inverse();
+  int hit_at = 0, missed_at = rays.crop.stride;
+  while (missed_at - hit_at > 1) {
+    const int middle = (hit_at + missed_at) / 2;
+    const Eigen::Vector3f ray = ray_through(rays.geometry, rays.crop.u(end.i) + middle * end.di,
+                                            rays.crop.v(end.j) + middle * end.dj);
+    const bool is_hit = static_cast<bool>(
+        rays.surface.intersect(T_model_camera.translation(), T_model_camera.linear() * ray, 0,
+                               std::numeric_limits<float>::infinity()));
+    (is_hit ? hit_at : missed_at) = middle;
+  }
+  return hit_at;
+}
+
+/// Number of pixels from the model's end to that of the measured surface, beyond it or negative.
+/// Empty if the surface does not end nearby before something farther; or if it is oblique, since
+/// sensors do not measure it up to its end.
+std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& end) noexcept {
+  const int u = rays.crop.u(end.i), v = rays.crop.v(end.j);
+  const Eigen::Vector3f ray = ray_through(rays.geometry, u, v);
+  const std::size_t at = rays.crop.at(end.i, end.j);
+  Eigen::Vector3f normal =
+      (rays.T_camera_model.linear() * rays.scratch.hits.normals[at]).normalized();
+  if (normal.dot(ray) > 0) normal = -normal;
+  if (!(-normal.dot(ray) > kFlatCosine * ray.norm())) return std::nullopt;
+  const float offset = normal.dot(ray) * rays.depth_at(end.i, end.j);
+  const auto place_at = [&](int step) {
+    const int x = u + step * end.di, y = v + step * end.dj;
+    if (!rays.inside(x, y)) return Place::elsewhere;
+    const std::size_t pixel = rays.pixel_at(x, y);
+    const float d = rays.image.depth[pixel];
+    if (!(d > 0)) return Place::unmeasured;
+    const float behind = d - offset / normal.dot(ray_through(rays.geometry, x, y));
+    if (std::abs(behind) > rays.jump) return behind > 0 ? Place::behind : Place::elsewhere;
+    const float cosine = rays.image.normals[pixel].dot(normal);
+    return cosine < kContinues ? Place::elsewhere : Place::surface;  // NaN: no normal
+  };
+  const Place own = place_at(0);
+  if (own != Place::surface && own != Place::behind) return std::nullopt;
+  const int side = own == Place::surface ? 1 : -1;
+  for (int step = side; std::abs(step) <= kEdgeReach; step += side) {
+    const Place place = place_at(step);
+    if (place == own) continue;
+    // The surface may go on where nothing is measured.
+    const bool is_end =
+        side > 0 ? place == Place::behind || (place == Place::unmeasured && step > kCertain)
+                 : place == Place::surface;
+    if (!is_end) return std::nullopt;
+    return static_cast<float>((side > 0 ? step - 1 : step) - pixels_beyond(rays, end));
+  }
+  return std::nullopt;
+}
+
+/// The direction in the image perpendicular to the outline, away from the model; a unit vector or
+/// zero.
+Eigen::Vector2f direction_away(const ExaminedRays& rays, const RayEnd& end) {
+  Eigen::Vector2f missed(0, 0);
+  rays.each_missed_around(end.i, end.j, [&](int di, int dj) {
+    missed += Eigen::Vector2f(static_cast<float>(di), static_cast<float>(dj));
+  });
+  return missed.norm() > 0 ? missed.normalized() : Eigen::Vector2f::Zero();
+}
+
+}  // namespace
+
+void EdgeEquations::add(const ExaminedRays& rays, const RayEnd& end) {
+  const std::optional<float> pixels = distance_to_edge(rays, end);
+  if (!pixels) return;
+  const Eigen::Vector2f across = direction_away(rays, end);
+  const float along =
+      across.x() * static_cast<float>(end.di) + across.y() * static_cast<float>(end.dj);
+  if (!(along > kLeastAlong)) return;
+  const float z = rays.depth_at(end.i, end.j);
+  const float pixel = z / rays.geometry.fx;
+  // Steps in both directions meet a slanted outline more often than a straight one.
+  const auto share = static_cast<double>(along * static_cast<float>(rays.crop.stride));
+  const double deviation = static_cast<double>(pixel) *
+                           (kEdgeError + static_cast<double>(rays.options.edge_pixels)) *
+                           std::sqrt(kEdgeRun / share);
+  const double weight = 1 / (deviation * deviation);
+  const Vector6 J = rays.edge_constraint(end.i, end.j, across);
+  sums_.information.noalias() += weight * J * J.transpose();
+  sums_.gradient.noalias() += weight * static_cast<double>(*pixels * along * pixel) * J;
+  count_ += 1;
+}
+
+void EdgeEquations::add_to(PoseEquations& equations) const {
+  const double weight = 1 / (1 + kSharedEdgeError * kSharedEdgeError * count_ /
+                                     (kSides * kEdgeError * kEdgeError * kEdgeRun));
+  equations.information += weight * sums_.information;
+  equations.gradient += weight * sums_.gradient;
+}
+
+}  // namespace trivet::kernels

@@ -1,0 +1,109 @@
+/// The rays of one image at a posed model, with what each of them meets and measures.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include "kernels/common/ray_scene.hpp"
+#include "kernels/scans/range_image.hpp"
+#include "kernels/verification/examine_pose.hpp"
+#include "kernels/verification/ray_crop.hpp"
+
+namespace trivet::kernels {
+
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// Verdict of a ray. From kJudged on it hits the model inside the image.
+enum RayState : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
+
+/// A ray, and the direction along the image in which the surface that it hit ends.
+struct RayEnd {
+  int i, j;    // index of the ray in the crop
+  int di, dj;  // one of the four steps to a neighbor
+};
+
+/// Keeps references to all arguments. examine_pose writes the state and the residual of each ray.
+struct ExaminedRays {
+  static constexpr int kMargin = 4;  ///< rays beyond an outline, wider than any hole of a cloud
+  static constexpr int kAround = 3;  ///< rays around an outline that determine its direction
+
+  ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
+               const ExamineOptions& examine_options, ExamineScratch& memory,
+               std::vector<JudgedRay>* judged)
+      : image(range_image),
+        geometry(image.geometry),
+        options(examine_options),
+        scratch(memory),
+        judged_rays(judged),
+        surface(model.surface),
+        T_camera_model(geometry.T_camera_scene * model.T_scene_model),
+        R_scene_camera(geometry.T_camera_scene.linear().transpose()),
+        diameter(model.samples.diameter),
+        jump(std::max(2 * options.verify.tolerance, 0.03F * diameter)),
+        center(T_camera_model * model.samples.center),
+        crop(box, kMargin) {}
+
+  float depth_at(int i, int j) const noexcept { return scratch.hits.depths[crop.at(i, j)]; }
+
+  bool inside(int u, int v) const noexcept {
+    return u >= 0 && v >= 0 && u < static_cast<int>(geometry.width) &&
+           v < static_cast<int>(geometry.height);
+  }
+
+  std::size_t pixel_at(int u, int v) const noexcept {
+    return static_cast<std::size_t>(v) * geometry.width + static_cast<std::size_t>(u);
+  }
+
+  /// at  position in the camera's frame
+  void record(RayVerdict verdict, const Eigen::Vector3f& at) const {
+    if (judged_rays != nullptr)
+      judged_rays->push_back({geometry.T_camera_scene.inverse() * at, verdict});
+  }
+
+  /// Call `body` with the step (di, dj) to each of the rays around one that miss the model.
+  template <class Body>
+  void each_missed_around(int i, int j, const Body& body) const {
+    for (int dj = -kAround; dj <= kAround; ++dj) {
+      for (int di = -kAround; di <= kAround; ++di) {
+        if (di * di + dj * dj > kAround * kAround + 1) continue;
+        if (scratch.state[crop.at(i + di, j + dj)] == kMissed) body(di, dj);
+      }
+    }
+  }
+
+  /// J of a point and a direction in the camera's frame: see Examination::stability.
+  Vector6 constraint(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const noexcept {
+    const Eigen::Vector3f n = R_scene_camera * normal;
+    const Eigen::Vector3f arm = R_scene_camera * (point - center) / (0.5F * diameter);
+    Vector6 J;
+    J << arm.cross(n).cast<double>(), n.cast<double>();
+    return J;
+  }
+
+  /// J of a point of the outline for motion in a direction in the image.
+  Vector6 edge_constraint(int i, int j, const Eigen::Vector2f& across) const noexcept {
+    const float z = depth_at(i, j);
+    const Eigen::Vector3f ray = ray_through(geometry, crop.u(i), crop.v(j));
+    const Eigen::Vector2f a(across.x() * geometry.fx, across.y() * geometry.fy);
+    const Eigen::Vector3f n(a.x(), a.y(), -a.dot(ray.head<2>()));
+    return constraint(ray * z, n.normalized());
+  }
+
+  const RangeImage& image;
+  const ImageGeometry& geometry;
+  const ExamineOptions& options;
+  ExamineScratch& scratch;
+  std::vector<JudgedRay>* judged_rays;
+  const RayScene& surface;
+  Pose T_camera_model;
+  Eigen::Matrix3f R_scene_camera;
+  float diameter;
+  float jump;  ///< smallest depth step between different objects
+  Eigen::Vector3f center;
+  RayCrop crop;
+};
+
+}  // namespace trivet::kernels
