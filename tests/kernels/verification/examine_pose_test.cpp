@@ -9,71 +9,21 @@
 #include <optional>
 #include <utility>
 
-#include "kernels/common/pose_math.hpp"
 #include "support/allocations.hpp"
 #include "support/random.hpp"
 #include "support/reference_examination.hpp"
-#include "support/rendered_scene.hpp"
-#include "support/shapes.hpp"
+#include "support/rendered_bodies.hpp"
 
 namespace trivet::kernels {
 namespace {
 
 using Eigen::Vector3f;
+using test::Body;
+using test::brick;
+using test::kFar;
+using test::render;
 
 constexpr float kTolerance = 0.003F;
-constexpr float kFar = 2;  // of a wall behind everything
-
-/// Shapes seen by a small camera at the origin, each a model.
-struct Body {
-  test::Shape shape;
-  RayScene surface;
-  ModelSamples samples;
-
-  Body(test::Shape of, float diameter)
-      : shape(std::move(of)), surface(*RayScene::from_mesh(shape.vertices, shape.triangles)) {
-    samples.points = shape.vertices;
-    samples.diameter = diameter;
-    samples.spacing = 0;
-  }
-  explicit Body(const Vector3f& half) : Body(test::box(-half, half), 2 * half.norm()) {}
-};
-
-/// A round rod along x.
-Body rod_of(float radius, float half_length) {
-  const test::Shape upright =
-      test::prism(96, test::circle(static_cast<double>(radius)), -static_cast<double>(half_length),
-                  static_cast<double>(half_length));
-  return {upright.moved(test::pose_of({0, 1.5707963F, 0}, {0, 0, 0})),
-          2 * std::hypot(radius, half_length)};
-}
-
-ImageGeometry camera() { return {Pose::Identity(), 150, 150, 79.5F, 59.5F, 160, 120}; }
-
-/// The depth image of bodies in front of a wall.
-RangeImage render(const std::vector<std::pair<const Body*, Pose>>& bodies, float wall = kFar,
-                  const ImageGeometry& geometry = camera()) {
-  RangeImage image;
-  image.geometry = geometry;
-  const std::size_t n = std::size_t{image.geometry.width} * image.geometry.height;
-  image.depth.assign(n, wall);
-  image.plane.assign(n, 0);
-  image.near_plane.assign(n, 0);
-  image.normals.resize(n);
-  for (std::size_t pixel = 0; pixel < n; ++pixel)
-    image.normals.set(pixel, Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
-  for (std::size_t pixel = 0; pixel < n; ++pixel) {
-    const Vector3f ray = image.geometry.back_project(pixel, 1);
-    for (const auto& [body, pose] : bodies) {
-      const Pose inverse = pose.inverse();
-      const Hit hit = body->surface.intersect(inverse.translation(), inverse.linear() * ray, 0,
-                                              std::numeric_limits<float>::infinity());
-      if (hit && (image.depth[pixel] == 0 || hit.distance < image.depth[pixel]))
-        image.depth[pixel] = hit.distance;
-    }
-  }
-  return image;
-}
 
 /// Examines with the tolerance and background of all tests.
 Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
@@ -88,10 +38,6 @@ Examination examine(const RangeImage& image, const Body& body, const Pose& pose,
                       {explained, rays});
 }
 
-const Body& brick() {
-  static const Body body({0.1F, 0.06F, 0.04F});
-  return body;
-}
 const Pose kCorner = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
 
 TEST(ExaminePose, FindsNothingAgainstTheTruth) {
@@ -105,84 +51,6 @@ TEST(ExaminePose, FindsNothingAgainstTheTruth) {
   EXPECT_GT(e.outline_free, 100);
   EXPECT_EQ(e.outline_crossed, 0);
   EXPECT_GT(e.stability, 0.005F) << "three faces hold a box";
-}
-
-/// The equations of an examination with measurements that err by a tenth of the tolerance.
-PoseEquations equations_of(const RangeImage& image, const Body& body, const Pose& pose) {
-  ExamineOptions options;
-  options.verify.tolerance = kTolerance;
-  options.error = 0.1F * kTolerance;
-  ExamineScratch scratch;
-  PoseEquations equations;
-  examine_pose({&image, 1}, {body.surface, body.samples, pose}, {}, options, scratch,
-               {.equations = &equations});
-  return equations;
-}
-
-/// The pose after a few steps by these equations.
-Pose solved(const RangeImage& image, const Body& body, Pose pose) {
-  for (int step = 0; step < 4; ++step) {
-    const PoseEquations e = equations_of(image, body, pose);
-    const Eigen::Matrix<double, 6, 1> x = e.information.ldlt().solve(e.gradient);
-    const double radius = 0.5 * static_cast<double>(body.samples.diameter);
-    pose = small_motion((x.head<3>() / radius).cast<float>(), x.tail<3>().cast<float>(),
-                        pose.translation()) *
-           pose;
-  }
-  return pose;
-}
-
-/// The front of a brick, as a camera sees it that looks straight at it: 50 x 30 pixels.
-const Pose kFacing = test::pose_of({0, 0, 0}, {0.01F, -0.02F, 0.64F});
-constexpr float kPixel = 0.6F / 150;
-
-TEST(PoseEquations, LeadAFlatFaceThatSlidBackToItsEnds) {
-  const RangeImage image = render({{&brick(), kFacing}});
-  for (const Vector3f& slide :
-       {Vector3f(4, 0, 0), Vector3f(-3, 5, 0), Vector3f(0.6F, -0.4F, 0), Vector3f(0, 0, 0.4F)}) {
-    const Pose start = Eigen::Translation3f(kPixel * slide) * kFacing;
-    const Pose found = solved(image, brick(), start);
-    EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.6F * kPixel)
-        << slide.transpose();
-    EXPECT_LT(rotation_angle(found.linear(), kFacing.linear()), 0.01F);
-  }
-  const Pose turned = test::pose_of({0, 0, 0.1F}, kFacing.translation());
-  EXPECT_LT(rotation_angle(solved(image, brick(), turned).linear(), kFacing.linear()), 0.01F);
-}
-
-/// Information on a slide along x.
-double information_on_slide(const RangeImage& image) {
-  return equations_of(image, brick(), kFacing).information(3, 3);
-}
-
-TEST(PoseEquations, HoldASlideByEdgesAloneWhereTheSceneFallsBack) {
-  RangeImage image = render({{&brick(), kFacing}});
-  EXPECT_GT(information_on_slide(image), 1 / static_cast<double>(kPixel * kPixel));
-  RangeImage unmeasured = image;
-  for (float& depth : unmeasured.depth) depth = depth == kFar ? 0 : depth;
-  EXPECT_LT(information_on_slide(unmeasured), 1) << "the face may go on there";
-  RangeImage in_contact = image;
-  for (float& depth : in_contact.depth) depth = depth == kFar ? 0.6F : depth;
-  EXPECT_LT(information_on_slide(in_contact), 1) << "the face goes on";
-}
-
-// In a window, shared errors do not average out.
-TEST(PoseEquations, CountCorrelatedErrorsOncePerWindow) {
-  const RangeImage image = render({{&brick(), kCorner}});
-  ExamineOptions options;
-  options.verify.tolerance = kTolerance;
-  options.error = 0.1F * kTolerance;
-  options.window = 2;
-  const auto depth_information = [&](float shared) {
-    options.correlated_noise.height = shared;
-    ExamineScratch scratch;
-    PoseEquations e;
-    examine_pose({&image, 1}, {brick().surface, brick().samples, kCorner}, {}, options, scratch,
-                 {.equations = &e});
-    return e.information(5, 5);
-  };
-  // Every second pixel has a ray, and a window 5 x 5 pixels.
-  EXPECT_NEAR(depth_information(0) / depth_information(0.2F * kTolerance), 1 + 25.0 / 4 * 4, 1);
 }
 
 /// Expects the sums over single rays to equal the examination.
@@ -327,7 +195,7 @@ TEST(ExaminePose, KnowsWhatHoldsAPose) {
   EXPECT_GT(corner.stability, 50 * face.stability + 1e-3F);
 
   // A rod's rotation is not tested where it is a symmetry.
-  const Body rod = rod_of(0.03F, 0.08F);
+  const Body rod = test::rod_of(0.03F, 0.08F);
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   const Pose tilted = test::pose_of({0.2F, 0.9F, 0}, {0.01F, 0.02F, 0.5F});
   const RangeImage image = render({{&rod, tilted}});
@@ -363,7 +231,8 @@ TEST(ExaminePose, HoldsAFaceByTheOutlineThatWasMeasured) {
 
 // The side of a rod does not fix its shift along the axis, whatever its orientation.
 TEST(ExaminePose, HoldsARodByItsEndsWhereTheyAreVisible) {
-  const Body rod = rod_of(0.02F, 0.1F), longer = rod_of(0.02F, 0.25F), screen({0.05F, 0.2F, 0.01F});
+  const Body rod = test::rod_of(0.02F, 0.1F), longer = test::rod_of(0.02F, 0.25F),
+             screen({0.05F, 0.2F, 0.01F});
   const Symmetry::Axis axis{Vector3f::UnitX(), Vector3f::Zero()};
   for (const float angle : {0.0F, 0.2F, 0.4F, 0.7854F, 1.2F}) {
     SCOPED_TRACE(angle);
@@ -395,7 +264,7 @@ TEST(ExaminePose, HoldsAlikeInAnyUnitFrameAndResolution) {
   EXPECT_GT(stability, 0.001F);
 
   for (const float finer : {2.0F, 3.0F, 4.0F}) {
-    ImageGeometry fine = camera();
+    ImageGeometry fine = test::camera();
     for (float* f : {&fine.fx, &fine.fy}) *f *= finer;
     for (float* c : {&fine.cx, &fine.cy}) *c = finer * (*c + 0.5F) - 0.5F;
     fine.width *= static_cast<std::uint32_t>(finer);
