@@ -1,6 +1,7 @@
 #include "kernels/scans/merge_pixels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -84,7 +85,17 @@ MergedPixels merge_pixels(const ImageGeometry& geometry, PointsView points, Norm
   const std::size_t num_pixels = std::size_t{geometry.width} * geometry.height;
   const std::vector<SeenPoint> seen = project(geometry, points, normals);
   const Nearest nearest = find_nearest(seen, num_pixels);
-  std::vector<Sum> sums(num_pixels);
+  MergedPixels merged;
+  merged.grid.width = geometry.width;
+  merged.grid.height = geometry.height;
+  merged.grid.point_index.assign(num_pixels, PixelGrid::kNone);
+  std::size_t num_seen = 0;
+  for (std::size_t at = 0; at < num_pixels; ++at) {
+    if (std::isfinite(nearest.depth[at]))
+      merged.grid.point_index[at] = static_cast<std::int32_t>(num_seen++);
+  }
+
+  std::vector<Sum> sums(num_seen);
   StopCheck check_stop(StopCheck::kPoints);
   for (std::size_t i = 0; i < points.size(); ++i) {
     check_stop();
@@ -93,21 +104,13 @@ MergedPixels merge_pixels(const ImageGeometry& geometry, PointsView points, Norm
     const float gate =
         std::max(kSlope * nearest.depth[at] / geometry.fx, kNoiseGate * nearest.difference);
     if (seen[i].depth > nearest.depth[at] + gate) continue;
-    Sum& sum = sums[at];
+    Sum& sum = sums[static_cast<std::size_t>(merged.grid.point_index[at])];
     if (sum.count++ == 0) sum.first = points[i];
     sum.offset += (points[i] - sum.first).cast<double>();
     if (!normals.empty()) sum.normal += normals[i].cast<double>();
   }
-
-  MergedPixels merged;
-  merged.grid.width = geometry.width;
-  merged.grid.height = geometry.height;
-  merged.grid.point_index.assign(num_pixels, PixelGrid::kNone);
-  for (std::size_t at = 0; at < num_pixels; ++at) {
+  for (const Sum& sum : sums) {
     check_stop();
-    const Sum& sum = sums[at];
-    if (sum.count == 0) continue;
-    merged.grid.point_index[at] = static_cast<std::int32_t>(merged.points.size());
     merged.points.push_back(sum.first + (sum.offset / sum.count).cast<float>());
     if (!normals.empty()) merged.normals.push_back(sum.normal.normalized().cast<float>());
   }

@@ -8,6 +8,7 @@
 #include <map>
 #include <vector>
 
+#include "support/allocations.hpp"
 #include "support/random.hpp"
 
 namespace trivet::kernels {
@@ -127,6 +128,16 @@ TEST(MergePixels, DoesNotReachBehindTheNearestSurface) {
   EXPECT_EQ(std::ranges::count(merged.grid.point_index, 0), 1);
   EXPECT_EQ(std::ranges::count(merged.grid.point_index, PixelGrid::kNone), 99);
   EXPECT_TRUE(merge_pixels(geometry, {}).points.empty());
+}
+
+// A few points far apart ask for an image of many pixels.
+TEST(MergePixels, TakesLittleMemoryForPixelsWithoutPoints) {
+  constexpr std::uint32_t kSide = 1000;
+  ImageGeometry geometry{Pose::Identity(), 1000, 1000, 500, 500, kSide, kSide};
+  Points points;
+  for (const float x : {-0.4F, 0.4F}) points.push_back({x, 0, 1});
+  const std::size_t bytes = test::bytes_in([&] { merge_pixels(geometry, points); });
+  EXPECT_LT(bytes, 16 * std::size_t{kSide} * kSide) << "three numbers a pixel";
 }
 
 }  // namespace
