@@ -39,7 +39,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::vector<std::string> families = part_families();
-  for (const std::string& family : household_families()) families.push_back(family);
+  for (const std::string& family : families_of("household")) families.push_back(family);
   const std::vector<Part> parts = make_parts(kPartsAFamily * families.size(), kSeed, families);
   std::vector<std::vector<float>> some(parts.size());
   engine::for_each_index(parts.size(), [&](std::size_t p) { some[p] = images_of(parts[p]); });

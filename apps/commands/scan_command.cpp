@@ -97,14 +97,16 @@ void add_scan(CLI::App& app, Context& context) {
                        "Scan so many machine parts, made for it by --seed, beside the MODELs or "
                        "alone; their sizes are real, 20 to 200 mm")
           ->check(CLI::Range(kMaxParts));
+  std::vector<std::string> groups;
+  for (const std::string& group : family_groups())
+    groups.push_back(fmt::format("{} ({})", group, fmt::join(families_of(group), ", ")));
   command
       ->add_option(
           "--families", arguments->families,
           fmt::format("Only parts of these families, as a,b,c, which take turns as they are "
-                      "named; known are {}; and of a household, which no part is without being "
-                      "named, {}, or all of these as {}",
-                      fmt::join(part_families(), ", "), fmt::join(household_families(), ", "),
-                      kHousehold))
+                      "named; known are {}; and in groups, of which each may be named as a whole "
+                      "and none is made without being named, {}",
+                      fmt::join(part_families(), ", "), fmt::join(groups, "; ")))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(CLI::IsMember(known_families()).description(""),

@@ -60,29 +60,23 @@ const Family& find_family(const std::string& name) {
   std::span<const Family> known = engine::parts::families();
   auto found = std::ranges::find(known, name, &Family::name);
   if (found == known.end()) {
-    known = engine::parts::household_families();
+    known = engine::parts::other_families();
     found = std::ranges::find(known, name, &Family::name);
   }
   TRIVET_REQUIRE(found != known.end(), "a family of known_families()");
   return *found;
 }
 
-std::vector<std::string> names_of(std::span<const Family> families) {
-  std::vector<std::string> names;
-  for (const Family& family : families) names.emplace_back(family.name);
-  return names;
-}
-
-/// Expand kHousehold to single families.
+/// Expand groups to single families.
 std::vector<std::string> single_families(std::span<const std::string> families) {
   if (families.empty()) return part_families();
   std::vector<std::string> single;
   for (const std::string& name : families) {
-    if (name != kHousehold) {
+    const std::vector<std::string> group = families_of(name);
+    if (group.empty()) {
       single.push_back(name);
     } else {
-      const std::vector<std::string> household = household_families();
-      single.insert(single.end(), household.begin(), household.end());
+      single.insert(single.end(), group.begin(), group.end());
     }
   }
   return single;
@@ -90,16 +84,29 @@ std::vector<std::string> single_families(std::span<const std::string> families) 
 
 }  // namespace
 
-std::vector<std::string> part_families() { return names_of(engine::parts::families()); }
+std::vector<std::string> part_families() {
+  std::vector<std::string> names;
+  for (const Family& family : engine::parts::families()) names.emplace_back(family.name);
+  return names;
+}
 
-std::vector<std::string> household_families() {
-  return names_of(engine::parts::household_families());
+std::vector<std::string> family_groups() {
+  std::vector<std::string> names;
+  for (const auto& group : engine::parts::groups()) names.emplace_back(group.name);
+  return names;
+}
+
+std::vector<std::string> families_of(std::string_view group) {
+  for (const auto& known : engine::parts::groups()) {
+    if (known.name == group) return {known.families.begin(), known.families.end()};
+  }
+  return {};
 }
 
 std::vector<std::string> known_families() {
   std::vector<std::string> names = part_families();
-  for (std::string& name : household_families()) names.push_back(std::move(name));
-  names.emplace_back(kHousehold);
+  for (const Family& family : engine::parts::other_families()) names.emplace_back(family.name);
+  for (std::string& group : family_groups()) names.push_back(std::move(group));
   return names;
 }
 

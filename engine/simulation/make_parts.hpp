@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "storage/data/cloud.hpp"
@@ -25,11 +26,12 @@ struct Part {
 
 /// Names of the families of machine parts, in the order in which they take turns.
 std::vector<std::string> part_families();
-/// Names of the families of household objects (cups, bottles, tools). They are generated only on
-/// request, by single names or all as kHousehold.
-std::vector<std::string> household_families();
-inline constexpr const char* kHousehold = "household";
-/// All valid names of families.
+/// Names of groups of families: "household" (cups, bottles, tools), "sheets", "boxes", "fasteners".
+/// Families that are not among part_families() are made only on request, by their name or a group's.
+std::vector<std::string> family_groups();
+/// Names of the families of a group; none for other names.
+std::vector<std::string> families_of(std::string_view group);
+/// All valid names of families and groups.
 std::vector<std::string> known_families();
 
 /// Maximum number of generated parts.

@@ -34,12 +34,21 @@ struct Family {
 
 /// The families of machine parts, in the order of make_parts.
 std::span<const Family> families();
-/// The families of household objects, which are generated only on request.
-std::span<const Family> household_families();
+/// Families that are made only on request.
+std::span<const Family> other_families();
+
+/// Families that are requested together, by the group's name.
+struct Group {
+  std::string_view name;
+  std::span<const std::string_view> families;
+};
+std::span<const Group> groups();
 
 // Fasteners.
 Design hex_nut(CounterRandom& random);
 Design bolt(CounterRandom& random);
+Design cap_screw(CounterRandom& random);
+Design pin(CounterRandom& random);
 Design washer(CounterRandom& random);
 Design bushing(CounterRandom& random);
 // Wheels.
@@ -58,6 +67,15 @@ Design angle(CounterRandom& random);
 Design lever(CounterRandom& random);
 Design plate(CounterRandom& random);
 Design drill_plate(CounterRandom& random);  ///< a plate with one displaced hole
+// Sheet metal, a fortieth to a twenty-fifth of the part's size thick.
+Design sheet(CounterRandom& random);
+Design sheet_angle(CounterRandom& random);
+Design sheet_channel(CounterRandom& random);
+// Boxes.
+Design cut_block(CounterRandom& random);
+Design drilled_block(CounterRandom& random);  ///< a cut block with one hole
+Design tray(CounterRandom& random);
+Design cover(CounterRandom& random);
 // Bodies.
 Design housing(CounterRandom& random);
 Design clamp(CounterRandom& random);

@@ -34,8 +34,8 @@ std::span<const Family> families() {
   return kFamilies;
 }
 
-std::span<const Family> household_families() {
-  static constexpr std::array<Family, 14> kFamilies{{
+std::span<const Family> other_families() {
+  static constexpr std::array<Family, 23> kFamilies{{
       {"cup", cup, 32, 0.08F, 0.15F, false, false},
       {"carton", carton, 33, 0.08F, 0.3F, false, false},
       {"bottle", bottle, 34, 0.12F, 0.3F, false, false},
@@ -50,8 +50,33 @@ std::span<const Family> household_families() {
       {"spray", spray, 43, 0.18F, 0.28F, false, false},
       {"hammer", hammer, 44, 0.2F, 0.33F, false, false},
       {"dish", dish, 45, 0.15F, 0.27F, false, false},
+      {"sheet", sheet, 64, 0.06F, 0.16F, true, false},
+      {"sheet_angle", sheet_angle, 65, 0.06F, 0.16F, true, false},
+      {"sheet_channel", sheet_channel, 66, 0.06F, 0.16F, true, false},
+      {"cut_block", cut_block, 67, 0.06F, 0.2F, false, false},
+      {"drilled_block", drilled_block, 67, 0.06F, 0.2F, false, false},
+      {"tray", tray, 68, 0.1F, 0.3F, false, false},
+      {"cover", cover, 69, 0.1F, 0.3F, false, false},
+      {"cap_screw", cap_screw, 70, 0.03F, 0.1F, true, false},
+      {"pin", pin, 71, 0.03F, 0.1F, true, false},
   }};
   return kFamilies;
+}
+
+std::span<const Group> groups() {
+  using Names = std::string_view;
+  static constexpr std::array<Names, 14> kHousehold{
+      "cup",    "carton",    "bottle",      "mug", "can",   "bowl",   "flask",
+      "marker", "drink_can", "screwdriver", "tub", "spray", "hammer", "dish"};
+  static constexpr std::array<Names, 3> kSheets{"sheet", "sheet_angle", "sheet_channel"};
+  static constexpr std::array<Names, 4> kBoxes{"cut_block", "drilled_block", "tray", "cover"};
+  static constexpr std::array<Names, 6> kFasteners{"bolt",    "cap_screw", "pin",
+                                                   "hex_nut", "washer",    "bushing"};
+  static constexpr std::array<Group, 4> kGroups{{{"household", kHousehold},
+                                                 {"sheets", kSheets},
+                                                 {"boxes", kBoxes},
+                                                 {"fasteners", kFasteners}}};
+  return kGroups;
 }
 
 }  // namespace trivet::engine::parts

@@ -26,6 +26,21 @@ Design bolt(CounterRandom& random) {
   return {top | rod(radius, -length, 0.5F * head, 0.25F * radius), turns(6), 0};
 }
 
+Design cap_screw(CounterRandom& random) {
+  const float head = between(random, 0.36F, 0.44F), height = between(random, 0.35F, 0.5F);
+  const float radius = head * between(random, 0.52F, 0.62F), length = between(random, 0.9F, 1.6F);
+  const Solid socket = hexagon(0.5F * head) & slab(0.45F * height, kFar);
+  const Solid body =
+      rod(head, 0, height, 0.05F) | rod(radius, -length, 0.5F * height, 0.25F * radius);
+  return {body - socket, turns(6), 0};
+}
+
+Design pin(CounterRandom& random) {
+  const float radius = between(random, 0.12F, 0.25F), groove = between(random, 0.4F, 0.7F);
+  const Solid ring = rod(radius, groove, groove + 0.12F) - rod(0.75F * radius, -kFar, kFar);
+  return {rod(radius, -1, 1, 0.05F) - ring, any_turn(false), 0};
+}
+
 Design washer(CounterRandom& random) {
   const float bore = between(random, 0.4F, 0.65F), height = between(random, 0.07F, 0.14F);
   return {rod(1, -height, height, 0.04F) - rod(bore, -kFar, kFar), any_turn(true), 1};

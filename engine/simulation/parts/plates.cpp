@@ -7,8 +7,6 @@
 namespace trivet::engine::parts {
 namespace {
 
-Solid hole(float radius, float x, float y) { return shifted(rod(radius, -kFar, kFar), x, y, 0); }
-
 /// The half space on the origin's side of a plane along y through (x, 0, 0) and (0, 0, z).
 Solid below_slope(float x, float z) {
   const Vector3f normal = Vector3f(z, 0, x).normalized();

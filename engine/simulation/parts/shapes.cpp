@@ -61,6 +61,8 @@ Solid shifted(const Solid& solid, float x, float y, float z) {
   return moved(solid, motion);
 }
 
+Solid hole(float radius, float x, float y) { return shifted(rod(radius, -kFar, kFar), x, y, 0); }
+
 Solid along_x(const Solid& solid) {
   return moved(solid, turn(std::numbers::pi_v<float> / 2, Vector3f::UnitY()));
 }

@@ -34,6 +34,9 @@ Solid slab(float low, float high);
 /// An infinite slot along z: a disc of this radius moved from (x0, y) to (x1, y).
 Solid slot(float radius, float x0, float x1, float y);
 
+/// What drilling along z at (x, y) takes off.
+Solid hole(float radius, float x, float y);
+
 Solid shifted(const Solid& solid, float x, float y, float z);
 /// Turn a solid so that its z axis is along x (and its x axis along -z), or along y (and y along
 /// -z).

@@ -25,7 +25,7 @@ constexpr std::size_t kNumParts = 48;  // two of each family
 constexpr std::uint64_t kSeed = 11;
 
 const std::vector<Part>& many_parts() {
-  static const std::vector<Part> all = make_parts(120, kSeed);
+  static const std::vector<Part> all = make_parts(72, kSeed);
   return all;
 }
 std::span<const Part> parts() { return std::span(many_parts()).first(kNumParts); }
@@ -224,17 +224,21 @@ TEST(MakeParts, GivesTheSameBytesOnOneThread) {
   for (std::size_t i = 0; i < serial.size(); ++i) EXPECT_TRUE(same(serial[i], parallel[i])) << i;
 }
 
-/// Two parts of each family of household objects.
-const std::vector<Part>& household() {
-  static const std::vector<Part> all =
-      make_parts(2 * household_families().size(), kSeed, std::vector<std::string>{kHousehold});
+/// Two parts of each family that is made only on request.
+const std::vector<Part>& requested() {
+  static const std::vector<Part> all = [] {
+    std::vector<std::string> names;
+    for (const engine::parts::Family& family : engine::parts::other_families())
+      names.emplace_back(family.name);
+    return make_parts(2 * names.size(), kSeed, names);
+  }();
   return all;
 }
 
-TEST(MakeParts, ThingsOfAHouseholdAreClosedAndHaveTheHolesThatTheyDeclare) {
-  const auto families = engine::parts::household_families();
-  for (std::size_t i = 0; i < household().size(); ++i) {
-    const Part& part = household()[i];
+TEST(MakeParts, RequestedFamiliesAreClosedAndHaveTheHolesThatTheyDeclare) {
+  const auto families = engine::parts::other_families();
+  for (std::size_t i = 0; i < requested().size(); ++i) {
+    const Part& part = requested()[i];
     SCOPED_TRACE(part.name);
     const engine::parts::Family& own = families[i % families.size()];
     EXPECT_EQ(part.name, std::string(own.name) + "_" + std::to_string(i / families.size()));
@@ -257,8 +261,8 @@ TEST(MakeParts, ThingsOfAHouseholdAreClosedAndHaveTheHolesThatTheyDeclare) {
   }
 }
 
-TEST(MakeParts, ThingsOfAHouseholdHaveTheSymmetryThatTheyDeclareAndNoOther) {
-  for (const Part& part : household()) {
+TEST(MakeParts, RequestedFamiliesHaveTheSymmetryThatTheyDeclareAndNoOther) {
+  for (const Part& part : requested()) {
     SCOPED_TRACE(part.name);
     const double diameter = reference::diameter(part.vertices);
     for (const Mesh& mesh : {mesh_of(part), part.hollow}) {
@@ -277,14 +281,41 @@ TEST(MakeParts, ThingsOfAHouseholdHaveTheSymmetryThatTheyDeclareAndNoOther) {
   }
 }
 
-TEST(MakeParts, MakesAHouseholdOnlyWhereItIsNamed) {
-  for (const std::string& name : household_families()) {
-    const std::vector<std::string> parts = part_families();
-    EXPECT_EQ(std::ranges::find(parts, name), parts.end()) << name;
-  }
+TEST(MakeParts, MakesOtherFamiliesOnlyWhereTheyOrTheirGroupIsNamed) {
+  const std::vector<std::string> parts = part_families();
+  for (const engine::parts::Family& family : engine::parts::other_families())
+    EXPECT_EQ(std::ranges::find(parts, family.name), parts.end()) << family.name;
   const std::vector<Part> few = make_parts(2, kSeed, std::vector<std::string>{"hex_nut", "carton"});
   EXPECT_EQ(few[0].name, "hex_nut_0");
-  EXPECT_TRUE(same(few[1], household()[1]));
+  EXPECT_TRUE(same(few[1], requested()[1]));
+
+  const std::vector<Part> sheets = make_parts(4, kSeed, std::vector<std::string>{"sheets"});
+  EXPECT_EQ(sheets[0].name, "sheet_0");
+  EXPECT_EQ(sheets[2].name, "sheet_channel_0");
+  EXPECT_EQ(sheets[3].name, "sheet_1");
+}
+
+TEST(MakeParts, GroupsHaveKnownFamilies) {
+  const std::vector<std::string> known = known_families();
+  for (const std::string& group : family_groups()) {
+    EXPECT_FALSE(families_of(group).empty()) << group;
+    for (const std::string& name : families_of(group))
+      EXPECT_NE(std::ranges::find(known, name), known.end()) << name;
+  }
+  EXPECT_TRUE(families_of("hex_nut").empty());
+}
+
+/// The thickness of a flat part.
+float thickness(const Part& part) {
+  const std::span<const float> z = part.vertices.view().z;
+  return *std::ranges::max_element(z) - *std::ranges::min_element(z);
+}
+
+TEST(MakeParts, SheetsAreAsThinAsSheetMetal) {
+  for (const Part& part : make_parts(6, kSeed, std::vector<std::string>{"sheet"})) {
+    EXPECT_GT(thickness(part), 0.0014F) << part.name;
+    EXPECT_LT(thickness(part), 0.0075F) << part.name;
+  }
 }
 
 }  // namespace
