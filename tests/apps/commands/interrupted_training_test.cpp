@@ -91,7 +91,7 @@ class InterruptedTraining : public testing::Test {
 };
 
 TEST_F(InterruptedTraining, GoesOnAfterBeingKilledAtAnyMoment) {
-  constexpr int kKills = 20;
+  constexpr int kKills = 12;
   std::mt19937 random(1);
   for (int k = 0; k < kKills; ++k) {
     if (k % 2 == 0) reset(k % 4 == 0);  // otherwise a resumed run is killed again
