@@ -66,7 +66,7 @@ struct LargestPlane {
 
 LargestPlane find_largest(const PlaneSamples& samples, float tolerance) {
   kernels::PlaneOptions options;
-  options.tolerance = tolerance;
+  options.tolerance = options.noise = tolerance;  // curved planes stay whole
   options.min_area = kLeastShare * samples.total_area;
   options.max_planes = 1;
   LargestPlane largest;
@@ -75,7 +75,7 @@ LargestPlane find_largest(const PlaneSamples& samples, float tolerance) {
       kernels::find_planes(samples.points, samples.normals, samples.areas, options);
   if (planes.empty()) return largest;
   largest.area = planes.front().area;
-  kernels::label_planes(samples.points, samples.normals, planes, tolerance, options.max_angle_rad,
+  kernels::label_planes(samples.points, samples.normals, planes, options.max_angle_rad,
                         largest.on_it);
   return largest;
 }

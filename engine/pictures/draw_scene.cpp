@@ -140,9 +140,7 @@ struct Frame {
 class Background {
  public:
   Background(const engine::PreparedScene& scene, const RangeImage& image, float diameter)
-      : image_(image),
-        T_scene_camera_(image.geometry.T_camera_scene.inverse()),
-        tolerance_(scene.plane_tolerance) {
+      : image_(image), T_scene_camera_(image.geometry.T_camera_scene.inverse()) {
     const std::vector<std::uint8_t> large = engine::background_planes(scene, diameter);
     for (std::size_t i = 0; i < large.size(); ++i) {
       if (large[i] != 0) planes_.push_back(scene.planes[i]);
@@ -153,14 +151,13 @@ class Background {
     const Vector3f point =
         T_scene_camera_ * image_.geometry.back_project(pixel, image_.depth[pixel]);
     return std::any_of(planes_.begin(), planes_.end(), [&](const kernels::Plane& plane) {
-      return std::abs(plane.normal.dot(point) - plane.offset) < 2 * tolerance_;
+      return std::abs(plane.normal.dot(point) - plane.offset) < 2 * plane.thickness;
     });
   }
 
  private:
   const RangeImage& image_;
   Pose T_scene_camera_;
-  float tolerance_;
   std::vector<kernels::Plane> planes_;
 };
 

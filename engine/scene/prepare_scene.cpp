@@ -18,6 +18,7 @@
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/scans/merge_pixels.hpp"
+#include "kernels/scans/plane_patches.hpp"
 #include "kernels/scans/plane_samples.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
@@ -141,8 +142,7 @@ std::optional<SensorView> find_sensor(const Cloud& cloud,
 }
 
 /// planes  planes in the camera's frame
-void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
-                  kernels::RangeImage& image) {
+void label_pixels(std::span<const kernels::Plane> planes, kernels::RangeImage& image) {
   const kernels::ImageGeometry& geometry = image.geometry;
   PerThread<Points> points([&] { return Points(geometry.width); });
   for_each_index(geometry.height, [&](std::size_t v) {
@@ -153,10 +153,9 @@ void label_pixels(std::span<const kernels::Plane> planes, float tolerance,
                                        : Eigen::Vector3f::Constant(kNaN));
     }
     const std::size_t row = v * geometry.width;
-    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), planes, tolerance,
+    kernels::label_planes(at, image.normals.view().slice(row, geometry.width), planes,
                           kPlaneAngleRad, std::span(image.plane).subspan(row, geometry.width));
-    kernels::label_planes(at, planes, tolerance,
-                          std::span(image.near_plane).subspan(row, geometry.width));
+    kernels::label_planes(at, planes, std::span(image.near_plane).subspan(row, geometry.width));
   });
 }
 
@@ -164,14 +163,15 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
                           PreparedScene& scene) {
   const kernels::PlaneSamples samples = kernels::sample_for_planes(image);
   if (samples.points.size() < 100) return;
-  scene.plane_tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
   kernels::PlaneOptions plane_options;
-  plane_options.tolerance = scene.plane_tolerance;
+  plane_options.tolerance = std::max(4 * scene.sensor.noise, 3 * scene.spacing);
+  plane_options.noise = scene.sensor.noise;
   plane_options.min_area = 0.01F * samples.total_area;  // walls of a bin on a large table
   plane_options.max_planes = 8;  // table, floor and four walls of a bin, and two more
   scene.planes =
       kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
-  label_pixels(scene.planes, scene.plane_tolerance, image);
+  label_pixels(scene.planes, image);
+  scene.patches = kernels::largest_patches(image, scene.planes);
   constexpr std::size_t kMaxWindow = kernels::GridNormalOptions::kMaxWindow;
   if (options.correlated_noise)
     scene.sensor.correlated_noise = kernels::measure_correlated_noise(
@@ -489,8 +489,7 @@ Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input,
 
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter) {
   std::vector<std::uint8_t> background;
-  for (const kernels::Plane& plane : scene.planes)
-    background.push_back(plane.area > 0.8F * diameter * diameter);
+  for (const float area : scene.patches) background.push_back(area > 0.8F * diameter * diameter);
   return background;
 }
 
@@ -512,8 +511,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
 
   check_stop();
   std::vector<std::uint8_t> labels(points.size(), 0);
-  kernels::label_planes(points, normals, scene.planes, scene.plane_tolerance, kPlaneAngleRad,
-                        labels);
+  kernels::label_planes(points, normals, scene.planes, kPlaneAngleRad, labels);
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;

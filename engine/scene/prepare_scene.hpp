@@ -28,12 +28,12 @@ struct PreparedScene {
   Points points;
   Normals normals;                     ///< toward the sensor or outward; NaN if unknown
   std::vector<kernels::Plane> planes;  ///< large planes, for models of any size
+  std::vector<float> patches;          ///< area of the largest connected patch of each
   kernels::SensorModel sensor;         ///< error model of the sensor
   float spacing = 0;                   ///< typical distance between neighboring measurements
   float window = 2;                    ///< half-width of the windows for fitting normals [spacing]
-  float plane_tolerance = 0;
-  double scale = 1;                 ///< factor from the file's lengths to the library's unit
-  Eigen::Vector3d offset{0, 0, 0};  ///< offset of the cloud (Cloud::offset) [file's unit]
+  double scale = 1;                    ///< factor from the file's lengths to the library's unit
+  Eigen::Vector3d offset{0, 0, 0};     ///< offset of the cloud (Cloud::offset) [file's unit]
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;

@@ -117,6 +117,29 @@ TEST(FindPlanes, DistinguishesTheTwoSidesOfASheet) {
   EXPECT_NEAR(planes[1].area, 2, 1e-3);
 }
 
+// The sheet's face is nearer to the table than the tolerance that finds planes in noise.
+TEST(FindPlanes, TellsASheetFromTheTableThatItLiesOn) {
+  Random random;
+  Surfaces s;
+  constexpr float kScatter = 0.001F, kSheet = 0.02F;
+  s.add_rectangle(random, 4000, Pose::Identity(), 2, 1.5F, kScatter, 1);
+  Pose on_top = Pose::Identity();
+  on_top.translation() = Vector3f(0.8F, 0.2F, kSheet);
+  s.add_rectangle(random, 2000, on_top, 1, 1, kScatter, 0);
+  PlaneOptions options = options_of(1);
+  options.noise = kScatter;
+  const auto planes = find_planes(s.points, s.normals, s.areas, options);
+  ASSERT_EQ(planes.size(), 1U);
+  EXPECT_NEAR(planes[0].offset, 0, 0.2F * kScatter) << "the sheet does not lift it";
+  EXPECT_GT(planes[0].thickness, 4 * kScatter);
+  EXPECT_LT(planes[0].thickness, 7 * kScatter);
+  std::vector<std::uint8_t> labels(s.points.size());
+  label_planes(s.points, planes, labels);
+  int wrong = 0;
+  for (std::size_t i = 0; i < labels.size(); ++i) wrong += labels[i] != s.made_on[i];
+  EXPECT_LE(wrong, 2);
+}
+
 TEST(FindPlanes, GivesTheSamePlanesEveryTime) {
   const TableAndWall scene(0);
   const Surfaces& s = scene.surfaces;
@@ -155,14 +178,15 @@ TEST(LabelPlanes, NumbersPointsByThePlaneTheyLieOn) {
   const Surfaces& s = scene.surfaces;
   const auto planes = find_planes(s.points, s.normals, s.areas, options_of(1));
   std::vector<std::uint8_t> labels(s.points.size(), 99);
-  label_planes(s.points, s.normals, planes, kTolerance, 0.35F, labels);
+  label_planes(s.points, s.normals, planes, 0.35F, labels);
   int wrong = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
     std::uint8_t expected = 0;
     for (std::size_t k = planes.size(); k-- > 0;) {
       const double height = planes[k].normal.dot(s.points[i]) - planes[k].offset;
       const double cosine = planes[k].normal.dot(s.normals[i]);
-      if (std::abs(height) <= static_cast<double>(kTolerance) && cosine >= std::cos(0.35)) {
+      if (std::abs(height) <= static_cast<double>(planes[k].thickness) &&
+          cosine >= std::cos(0.35)) {
         expected = static_cast<std::uint8_t>(k + 1);
       }
     }
@@ -181,11 +205,11 @@ TEST(LabelPlanes, ChoosesTheFirstOfPlanesAndNoneWithoutAPointOrANormal) {
   normals.push_back({0, 0, 1});
   normals.push_back(Vector3f::Constant(kNaN));
   normals.push_back({0, 0, 1});
-  const std::vector<Plane> planes(2, Plane{Vector3f(0, 0, 1), 0, 1});
+  const std::vector<Plane> planes(2, Plane{Vector3f(0, 0, 1), 0, 1, kTolerance});
   std::vector<std::uint8_t> labels(3, 99);
-  label_planes(points, normals, planes, kTolerance, 0.35F, labels);
+  label_planes(points, normals, planes, 0.35F, labels);
   EXPECT_EQ(labels, (std::vector<std::uint8_t>{0, 0, 1}));
-  label_planes(points, planes, kTolerance, labels);
+  label_planes(points, planes, labels);
   EXPECT_EQ(labels, (std::vector<std::uint8_t>{0, 1, 1})) << "by position alone";
 }
 
