@@ -27,9 +27,9 @@ namespace {
 
 constexpr double kRidge = 1;
 constexpr std::uint64_t kMaxOutcomesBytes = 1ULL << 30;
-/// The calibration scenes contain nearly two unknown objects per object of the library. Scenes in
+/// The calibration scenes contain more than two unknown objects per object of the library. Scenes in
 /// use contain about half as many: the odds that a detection is correct are this many times higher.
-constexpr double kFewerUnknown = 3.5;
+constexpr double kFewerUnknown = 4.2;
 
 struct FitScoreArguments {
   std::vector<std::string> libraries, manifests, outcomes;

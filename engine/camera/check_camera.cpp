@@ -40,7 +40,7 @@ std::vector<SureObject> sure_objects(const Library& library, const PreparedScene
     const float range = (pose * library.models[poses.model[row]].center).z();
     kernels::ScaleOptions options;
     options.sigma = std::max(scene.sensor.error_at(range), kFinest * range);
-    options.gate = kGate * poses.test(row).tolerance;
+    options.gate = kGate * poses.test(row).largest_tolerance;
     options.edge_pixels = static_cast<int>(
         std::lround(std::clamp(scene.sensor.edge_pixels(), kLeastEdge, kMostEdge)));
     objects.push_back({poses.model[row], pose, options});

@@ -10,6 +10,7 @@
 #include "engine/results/explanation.hpp"
 #include "engine/results/recognize_result.hpp"
 #include "kernels/verification/examine_pose.hpp"
+#include "kernels/verification/pose_covariance.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "kernels/verification/verify_pose.hpp"
 #include "storage/data/model.hpp"
@@ -31,10 +32,11 @@ enum class PoseFate : std::uint8_t {
 
 /// Result of the full test of a pose.
 struct FullTest {
-  float tolerance = 0;  ///< tolerance of the full test [library unit]
   kernels::Examination examination{};
+  float largest_tolerance = 0;  ///< of residuals, before the pose's own lowered it [library unit]
   kernels::ScoreParts parts{};
-  kernels::ExplainedPixels explained{};  ///< over all images
+  kernels::PoseCovariance covariance = kernels::PoseCovariance::Zero();  ///< [library unit, rad]
+  kernels::ExplainedPixels explained{};                                  ///< over all images
 };
 
 /// A pose after the full test.

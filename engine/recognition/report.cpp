@@ -40,8 +40,11 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
   }
   detection.violation = measured > 0 ? e.violation / measured : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
-  detection.rmse = std::sqrt(e.mean_square) * test.tolerance / static_cast<float>(scene_scale);
+  detection.rmse = std::sqrt(e.mean_square) * e.tolerance / static_cast<float>(scene_scale);
   detection.parts = test.parts;
+  detection.covariance = test.covariance;
+  detection.covariance.topRows<3>() /= static_cast<float>(scene_scale);
+  detection.covariance.leftCols<3>() /= static_cast<float>(scene_scale);
   for (const Pose& alternative : ambiguity.alternatives)
     detection.alternatives.push_back(in_file_unit(alternative, scene_scale));
   for (const std::uint32_t sibling : ambiguity.siblings)

@@ -14,6 +14,7 @@
 #include "engine/results/scene_view.hpp"
 #include "engine/results/stage_times.hpp"
 #include "kernels/scans/sensor_model.hpp"
+#include "kernels/verification/pose_covariance.hpp"
 #include "kernels/verification/pose_score.hpp"
 #include "storage/data/model.hpp"
 
@@ -42,8 +43,10 @@ struct Detection {
   /// unit.
   float rmse = 0;
   kernels::ScoreParts parts{};  ///< components of the score
-  /// Other poses of the model at this place that the scan cannot distinguish from this one. If
-  /// there are any, the detection is ambiguous.
+  /// How far off the pose may be, along and about the model's axes, in the scene file's unit. Zero
+  /// if the pose was not tested by rays.
+  kernels::PoseCovariance covariance = kernels::PoseCovariance::Zero();
+  /// Other poses of the model at this place that the scan cannot distinguish from this one.
   std::vector<Pose> alternatives{};
   std::vector<std::string> siblings{};  ///< other models that explain the visible surface as well
   Source source = Source::ppf;          ///< source that proposed the pose
@@ -52,6 +55,10 @@ struct Detection {
   float hidden_fraction = 0;   ///< share of the whole silhouette occluded by something nearer
   float outside_fraction = 0;  ///< share of the whole silhouette beyond the borders of the scan
 
+  bool is_uncertain = false;  ///< whether the position is less certain than max_sigma allows
+
+  /// Whether the object may as well be in another pose.
+  bool is_ambiguous() const noexcept { return !alternatives.empty() || is_uncertain; }
   /// Probability that the object is here in this exact pose.
   float pose_score() const noexcept { return score * pose_share; }
 };

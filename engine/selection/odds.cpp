@@ -1,7 +1,6 @@
 #include "engine/selection/odds.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include "kernels/verification/pose_score.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -17,15 +16,10 @@ float scale_odds(float probability, float factor) noexcept {
   return factor * probability / (1 - probability + factor * probability);
 }
 
-double log_odds(float probability, double least) noexcept {
-  const double p = std::clamp(static_cast<double>(probability), least, 1 - least);
-  return std::log(p / (1 - p));
-}
-
 double rival_log_odds(float score, float other_score,
                       const kernels::PoseComparison& comparison) noexcept {
-  return kOfZ * comparison.z +
-         kOfScores * (log_odds(score, kLeastOfRival) - log_odds(other_score, kLeastOfRival));
+  return kOfZ * comparison.z + kOfScores * (kernels::log_odds(score, kLeastOfRival) -
+                                            kernels::log_odds(other_score, kLeastOfRival));
 }
 
 }  // namespace trivet::engine

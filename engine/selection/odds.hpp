@@ -8,9 +8,6 @@ namespace trivet::engine {
 /// The probability whose odds are `factor` times those of `probability` < 1.
 float scale_odds(float probability, float factor) noexcept;
 
-/// Log odds of a probability clamped to [least, 1 - least].
-double log_odds(float probability, double least) noexcept;
-
 /// Log odds that a pose is correct rather than the other one, by the pixels where they differ and
 /// by their scores, which also include the other pixels.
 ///

@@ -130,8 +130,8 @@ class AmbiguityTest {
     // Displaced edges may support a turn that the full test contradicts.
     const bool doubtful = tester_.scene().sensor.correlation > 0 &&
                           compare(turned.T_scene_model, pose.T_scene_model).log_ratio +
-                                  log_odds(turned.score, kLeastProbability) -
-                                  log_odds(pose.score, kLeastProbability) <
+                                  kernels::log_odds(turned.score, kLeastProbability) -
+                                  kernels::log_odds(pose.score, kLeastProbability) <
                               0;
     if (doubtful && far) {
       turns.others.insert(turns.others.begin(), turns.best);

@@ -86,6 +86,8 @@ class PoseTester {
   const std::optional<Symmetry::Axis>& free_axis() const;
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
+  /// Width of a pixel where the model is [scene unit].
+  float pixel_at(const Pose& pose) const;
 
   const ModelInfo& model_;
   const PreparedScene& scene_;

@@ -164,11 +164,11 @@ TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose&
   TestedPose tested;
   tested.T_scene_model = pose;
   tested.score = score;
-  tested.test.tolerance = strict.tolerance;
   std::vector<std::uint32_t>& pixels = tested.test.explained.pixels;
   const kernels::Evidence e = kernels::verify_pose(
       scene_.images, tester.samples(), tester.samples().points.size(), pose, strict, &pixels);
   kernels::Examination& examination = tested.test.examination;
+  tested.test.largest_tolerance = examination.tolerance = strict.tolerance;
   examination.covered = static_cast<float>(e.visible);
   examination.consistent = static_cast<float>(e.consistent);
   examination.violation = static_cast<float>(e.violation);

@@ -48,22 +48,19 @@ int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
 /// sensors do not measure it up to its end.
 std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& end) noexcept {
   const int u = rays.crop.u(end.i), v = rays.crop.v(end.j);
-  const Eigen::Vector3f ray = ray_through(rays.geometry, u, v);
-  const std::size_t at = rays.crop.at(end.i, end.j);
-  Eigen::Vector3f normal =
-      (rays.T_camera_model.linear() * rays.scratch.hits.normals[at]).normalized();
-  if (normal.dot(ray) > 0) normal = -normal;
-  if (!(-normal.dot(ray) > kFlatCosine * ray.norm())) return std::nullopt;
-  const float offset = normal.dot(ray) * rays.depth_at(end.i, end.j);
+  const RayHit hit = rays.hit_at(end.i, end.j);
+  if (!(hit.facing > kFlatCosine)) return std::nullopt;
+  const float step_in_depth = rays.step / (hit.length * hit.facing);
+  const float offset = hit.normal.dot(hit.place);
   const auto place_at = [&](int step) {
     const int x = u + step * end.di, y = v + step * end.dj;
     if (!rays.inside(x, y)) return Place::elsewhere;
     const std::size_t pixel = rays.pixel_at(x, y);
     const float d = rays.image.depth[pixel];
     if (!(d > 0)) return Place::unmeasured;
-    const float behind = d - offset / normal.dot(ray_through(rays.geometry, x, y));
-    if (std::abs(behind) > rays.jump) return behind > 0 ? Place::behind : Place::elsewhere;
-    const float cosine = rays.image.normals[pixel].dot(normal);
+    const float behind = d - offset / hit.normal.dot(ray_through(rays.geometry, x, y));
+    if (std::abs(behind) > step_in_depth) return behind > 0 ? Place::behind : Place::elsewhere;
+    const float cosine = rays.image.normals[pixel].dot(hit.normal);
     return cosine < kContinues ? Place::elsewhere : Place::surface;  // NaN: no normal
   };
   const Place own = place_at(0);
@@ -71,7 +68,7 @@ std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& en
   const int side = own == Place::surface ? 1 : -1;
   for (int step = side; std::abs(step) <= kEdgeReach; step += side) {
     const Place place = place_at(step);
-    if (place == own) continue;
+    if (place == own || (side < 0 && place == Place::unmeasured)) continue;
     // The surface may go on where nothing is measured.
     const bool is_end =
         side > 0 ? place == Place::behind || (place == Place::unmeasured && step > kCertain)
@@ -118,6 +115,7 @@ void EdgeEquations::add(const ExaminedRays& rays, const RayEnd& end) {
 void EdgeEquations::add_to(PoseEquations& equations) const {
   const double weight = 1 / (1 + kSharedEdgeError * kSharedEdgeError * count_ /
                                      (kSides * kEdgeError * kEdgeError * kEdgeRun));
+  equations.held += weight * sums_.information;
   equations.information += weight * sums_.information;
   equations.gradient += weight * sums_.gradient;
 }

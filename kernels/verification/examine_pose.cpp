@@ -14,7 +14,13 @@ namespace trivet::kernels {
 namespace {
 
 constexpr double kFewestResiduals = 6;  // residuals of a window needed for a slope
-constexpr int kMostHalf = 4096;         // rays; half a window is unbounded
+// The tolerance in standard deviations of residuals, which are measured by a quantile: few of a right
+// pose's lie beyond, beside edges or beneath things on it, and depths of coarse steps have a median
+// of 0.
+constexpr float kDeviations = 5;
+constexpr float kQuantile = 0.8F, kQuantileDeviations = 1.2816F;  // of a normal distribution
+constexpr std::size_t kFewestDistances = 30;                      // for a standard deviation
+constexpr int kMostHalf = 4096;  // rays; half a window is unbounded
 // An edge is located to about a pixel, some twice the noise of depth: squared, a quarter. It
 // weights the outline's mean, since the outline's share of the pixels falls with the resolution.
 constexpr double kOutlineShare = 0.25;
@@ -45,21 +51,50 @@ double variance_of_pixel(const ExaminedRays& rays) noexcept {
   return own * own + side * side * shared * shared;
 }
 
-/// Cast the rays, and compare what they hit with what the image measures.
-void compare(const ExaminedRays& rays, std::uint32_t first_pixel, Examination& out, Sums& sums,
-             ExplainedPixels* explained) {
-  shoot_rays(rays.geometry, rays.crop, rays.surface, rays.T_camera_model, rays.scratch.directions,
-             rays.scratch.hits);
+/// Append the residuals of the measurements that agree with the model by the largest tolerance.
+void collect_distances(const ExaminedRays& rays, Column<float>& distances) {
+  const float tolerance = rays.options.verify.tolerance;
+  for (int j = 0; j < rays.crop.height; ++j) {
+    for (int i = 0; i < rays.crop.width; ++i) {
+      const float z = rays.depth_at(i, j);
+      const int u = rays.crop.u(i), v = rays.crop.v(j);
+      if (!std::isfinite(z) || !rays.inside(u, v)) continue;
+      const RayHit hit = rays.hit_at(i, j);
+      if (!(hit.facing > kMinRayCosine)) continue;
+      const auto [r, pixel] =
+          measure_along(rays.image, {u, v, z, hit.length * hit.facing}, tolerance);
+      if (pixel < 0 || std::abs(r) > tolerance) continue;
+      if (rays.options.verify.is_background(rays.image.plane[static_cast<std::size_t>(pixel)]))
+        continue;
+      distances.push_back(std::abs(r));
+    }
+  }
+}
+
+/// The tolerance by the residuals of a pose: what the sensor and the model leave at the right one.
+float own_tolerance(const ExamineOptions& options, Column<float>& distances) noexcept {
+  const bool is_fixed = !(options.least_tolerance > 0);
+  if (is_fixed || distances.size() < kFewestDistances) return options.verify.tolerance;
+  const auto at = distances.begin() +
+                  static_cast<std::ptrdiff_t>(kQuantile * static_cast<float>(distances.size()));
+  std::nth_element(distances.begin(), at, distances.end());
+  const float deviation = *at / kQuantileDeviations;
+  return std::clamp(kDeviations * deviation, options.least_tolerance, options.verify.tolerance);
+}
+
+/// Compare what the rays hit with what the image measures.
+void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t first_pixel,
+             Examination& out, Sums& sums, ExplainedPixels* explained) {
   rays.scratch.state.assign(rays.crop.size(), kMissed);
   rays.scratch.residual.assign(rays.crop.size(), 0);
-  const Eigen::Matrix3f R_camera_model = rays.T_camera_model.linear();
   const auto square = static_cast<float>(rays.crop.stride * rays.crop.stride);
   const float softness = std::max(1e-6F, kSoftness * rays.options.correlation);
-  PoseEquations own;  // with a standard deviation of 1
+  Matrix6 own = Matrix6::Zero();
+  PoseEquations within;  // of rays within the largest tolerance, with a standard deviation of 1
   for (int j = 0; j < rays.crop.height; ++j) {
     for (int i = 0; i < rays.crop.width; ++i) {
       const std::size_t at = rays.crop.at(i, j);
-      const float z = rays.scratch.hits.depths[at];
+      const float z = rays.hits.depths[at];
       if (!std::isfinite(z)) continue;
       const int u = rays.crop.u(i), v = rays.crop.v(j);
       if (!rays.inside(u, v)) {
@@ -69,55 +104,57 @@ void compare(const ExaminedRays& rays, std::uint32_t first_pixel, Examination& o
       }
       rays.scratch.state[at] = kJudged;
       out.covered += square;
-      const Eigen::Vector3f ray = ray_through(rays.geometry, u, v);
-      Eigen::Vector3f normal = (R_camera_model * rays.scratch.hits.normals[at]).normalized();
-      const float length = ray.norm();
-      if (normal.dot(ray) > 0) normal = -normal;
-      const float facing = -normal.dot(ray) / length;
-      if (!(facing > kMinRayCosine)) continue;
+      const RayHit hit = rays.hit_at(i, j);
+      if (!(hit.facing > kMinRayCosine)) continue;
 
       const float tolerance = rays.options.verify.tolerance;
-      const ExpectedPoint expected{u, v, z, length * facing};
+      const ExpectedPoint expected{u, v, z, hit.length * hit.facing};
       const auto [r, pixel] = measure_along(rays.image, expected, tolerance);
       if (pixel < 0) {
         out.unknown += square;
-        rays.record(RayVerdict::unmeasured, ray * z);
+        rays.record(RayVerdict::unmeasured, hit.place);
         continue;
       }
       const bool background =
           rays.options.verify.is_background(rays.image.plane[static_cast<std::size_t>(pixel)]);
+      if (!background && std::abs(r) <= largest_tolerance) {
+        const double share = static_cast<double>(r / largest_tolerance);
+        const double robust = (1 - share * share) * (1 - share * share);  // Tukey
+        const Vector6 J = rays.constraint(hit.place, hit.normal);
+        within.information.noalias() += robust * J * J.transpose();
+        within.gradient -= robust * static_cast<double>(r) * J;
+      }
       if (std::abs(r) > tolerance) {
         if (measured_beside(rays.image, expected, tolerance, rays.options.edge_pixels)) continue;
         if (r > 0 || background) {  // nothing penetrates a table
           out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness);
-          rays.record(RayVerdict::looked_through, ray * z);
+          rays.record(RayVerdict::looked_through, hit.place);
         } else {
           out.occluded += square;
           if (r > -kShallow * tolerance) out.sunk += square;
           rays.scratch.state[at] = kHidden;
           rays.scratch.residual[at] = r;
-          rays.record(RayVerdict::hidden, ray * z);
+          rays.record(RayVerdict::hidden, hit.place);
         }
       } else if (background) {
         out.background += square;
-        rays.record(RayVerdict::background, ray * z);
+        rays.record(RayVerdict::background, hit.place);
       } else {
         rays.scratch.state[at] = kConsistent;
         rays.scratch.residual[at] = r;
         out.consistent += square;
-        rays.record(RayVerdict::agrees, ray * z);
+        rays.record(RayVerdict::agrees, hit.place);
         const double share = static_cast<double>(r / tolerance);
         sums.count += 1;
         sums.squares += share * share;
-        sums.area +=
-            static_cast<double>(square * z * z / (rays.geometry.fx * rays.geometry.fy * facing));
+        sums.area += static_cast<double>(square * z * z /
+                                         (rays.geometry.fx * rays.geometry.fy * hit.facing));
         const Eigen::Vector3d place =
-            (rays.R_scene_camera * (ray * z - rays.center)).cast<double>();
+            (rays.R_scene_camera * (hit.place - rays.center)).cast<double>();
         sums.places += place;
         sums.spread.noalias() += place * place.transpose();
-        const Vector6 J = rays.constraint(ray * z, normal);
-        own.information.noalias() += J * J.transpose();
-        own.gradient -= static_cast<double>(r) * J;
+        const Vector6 J = rays.constraint(hit.place, hit.normal);
+        own.noalias() += J * J.transpose();
         if (explained)
           explained->pixels.push_back(first_pixel +
                                       static_cast<std::uint32_t>(v) * rays.geometry.width +
@@ -125,11 +162,12 @@ void compare(const ExaminedRays& rays, std::uint32_t first_pixel, Examination& o
       }
     }
   }
-  sums.covariance += own.information;
+  sums.covariance += own;
   if (!(rays.options.error > 0)) return;  // no equations are wanted
   const double weight = 1 / variance_of_pixel(rays);
-  sums.surfaces.information += weight * own.information;
-  sums.surfaces.gradient += weight * own.gradient;
+  sums.surfaces.held += weight * own;
+  sums.surfaces.information += weight * within.information;
+  sums.surfaces.gradient += weight * within.gradient;
 }
 
 /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
@@ -183,7 +221,7 @@ void smooth(const ExaminedRays& rays, Sums& sums) {
       if (n < kFewestResiduals) continue;
       const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
       if (!(fit.determinant > 1e-3 * n * n)) continue;
-      const double step = static_cast<double>(rays.scratch.hits.depths[at] / rays.geometry.fx *
+      const double step = static_cast<double>(rays.hits.depths[at] / rays.geometry.fx *
                                               static_cast<float>(rays.crop.stride));
       sums.slope += std::atan(std::sqrt(fit.gx * fit.gx + fit.gy * fit.gy) / step);
       sums.num_slopes += 1;
@@ -218,33 +256,46 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
                          const std::optional<Symmetry::Axis>& free_axis,
                          const ExamineOptions& options, ExamineScratch& scratch,
                          const ExamineLists& lists) {
-  const auto [explained, rays, equations] = lists;
-  if (explained) *explained = {};
-  if (rays) rays->clear();
+  if (lists.explained) *lists.explained = {};
+  if (lists.rays) lists.rays->clear();
   const ModelSamples& samples = model.samples;
   Examination out;
   const float radius = 0.5F * ball_diameter(samples);
   Sums sums;
-  std::uint32_t first_pixel = 0;
-  for (const RangeImage& image : images) {
-    const std::optional<PixelBox> box = project_ball(
-        image.geometry, image.geometry.T_camera_scene * (model.T_scene_model * samples.center),
-        radius);
-    if (box) {
-      const ExaminedRays cast(image, model, *box, options, scratch, rays);
-      compare(cast, first_pixel, out, sums, explained);
-      smooth(cast, sums);
-      judge_outline(cast, out, sums.outline, equations ? &sums.edges : nullptr);
-      if (explained) explained->square = static_cast<std::uint32_t>(cast.crop.stride);
+  /// Call `body` with the rays at the model in each image that may show it, and the image's index.
+  const auto each_crop = [&](const ExamineOptions& how, auto&& body) {
+    for (std::size_t k = 0; k < images.size(); ++k) {
+      const ImageGeometry& geometry = images[k].geometry;
+      const std::optional<PixelBox> box = project_ball(
+          geometry, geometry.T_camera_scene * (model.T_scene_model * samples.center), radius);
+      if (box)
+        body(ExaminedRays(images[k], model, *box, how, scratch, scratch.hits[k], lists.rays), k);
     }
-    first_pixel += static_cast<std::uint32_t>(image.depth.size());
-  }
-  if (equations) {
-    *equations = sums.surfaces;
-    sums.edges.add_to(*equations);
+  };
+  scratch.hits.resize(std::max(scratch.hits.size(), images.size()));
+  scratch.distances.clear();
+  each_crop(options, [&](const ExaminedRays& cast, std::size_t k) {
+    shoot_rays(cast.geometry, cast.crop, cast.surface, cast.T_camera_model, scratch.directions,
+               scratch.hits[k]);
+    collect_distances(cast, scratch.distances);
+  });
+  ExamineOptions judged = options;
+  out.tolerance = judged.verify.tolerance = own_tolerance(options, scratch.distances);
+  each_crop(judged, [&](const ExaminedRays& cast, std::size_t k) {
+    std::size_t first_pixel = 0;
+    for (const RangeImage& before : images.first(k)) first_pixel += before.depth.size();
+    compare(cast, options.verify.tolerance, static_cast<std::uint32_t>(first_pixel), out, sums,
+            lists.explained);
+    smooth(cast, sums);
+    judge_outline(cast, out, sums.outline, lists.equations ? &sums.edges : nullptr);
+    if (lists.explained) lists.explained->square = static_cast<std::uint32_t>(cast.crop.stride);
+  });
+  if (lists.equations) {
+    *lists.equations = sums.surfaces;
+    sums.edges.add_to(*lists.equations);
   }
   if (sums.count == 0) return out;
-  const float shared = options.correlated_noise.height / options.verify.tolerance;
+  const float shared = options.correlated_noise.height / out.tolerance;
   const auto beyond = [](double squares, float expected) {
     return std::max(0.0F, static_cast<float>(squares) - expected * expected);
   };
@@ -254,7 +305,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);
   out.slope = std::sqrt(beyond(slope * slope, options.correlated_noise.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
-  out.relief = off_plane(sums) / options.verify.tolerance;
+  out.relief = off_plane(sums) / out.tolerance;
   const Vector6 turn = free_turn(model, free_axis);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline.count > 0) held += kOutlineShare / sums.outline.count * sums.outline.covariance;

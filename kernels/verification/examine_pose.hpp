@@ -39,6 +39,8 @@ struct Examination {
   /// the model, it is buried in the visible surface.
   float buried = 0;
 
+  /// Largest residual that agrees: as many standard deviations of the pose's own residuals.
+  float tolerance = 0;
   float mean_square = 0;  ///< mean of (r / tolerance)^2 over the consistent pixels, 0..1
   // For the consistent pixels, minus the effect of the scan's correlated noise; 0 without any.
   float residual = 0;  ///< mean_square minus the effect of correlated noise
@@ -55,7 +57,9 @@ struct Examination {
 };
 
 struct ExamineOptions {
-  VerifyOptions verify{};
+  VerifyOptions verify{};  ///< with the largest tolerance
+  /// What the pose's own residuals lower the tolerance to at most [scene unit]. 0: it stays.
+  float least_tolerance = 0;
   float window = 2;                    ///< half-width of the averaging window of residuals [pixel]
   CorrelatedNoise correlated_noise{};  ///< correlated noise of the scan, which lowers no score
   float correlation = 0;  ///< correlation of the scan's errors from pixel to pixel, 0..1
@@ -67,8 +71,8 @@ struct ExamineOptions {
 /// Working memory of examine_pose.
 struct ExamineScratch {
   Points directions;
-  RayHits hits;
-  Column<float> residual;
+  std::vector<RayHits> hits;  ///< of each image
+  Column<float> residual, distances;
   std::vector<std::uint8_t> state;
   std::vector<std::array<double, 9>> sums;
 };
@@ -97,12 +101,15 @@ struct JudgedRay {
 /// information^-1 gradient, a rotation about the image of the model's center in half diameters
 /// (left-multiplied), then a translation, both in the scene's frame and unit.
 ///
-/// Rows are the distances of consistent pixels along the normal, and where the model ends, the
-/// distance across the outline to where the measured surface ends: a flat face is free to slide
-/// but for its ends. Each is divided by its standard deviation, so that the inverse of the
-/// information is the covariance of the pose. Sources: Chen and Medioni, 1992 (point to plane);
-/// Censi, ICRA 2007 (covariance of a registration).
+/// Rows are the distances of pixels along the normal, within the largest tolerance and weighted
+/// robustly, and where the model ends, the distance across the outline to where the measured
+/// surface ends: a flat face is free to slide but for its ends. Each is divided by its standard
+/// deviation. Sources: Chen and Medioni, 1992 (point to plane); Censi, ICRA 2007 (covariance of a
+/// registration).
 struct PoseEquations {
+  /// The information of consistent pixels and edges alone, whose inverse is the pose's covariance:
+  /// what does not agree holds no pose.
+  Eigen::Matrix<double, 6, 6> held = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
   Eigen::Matrix<double, 6, 1> gradient = Eigen::Matrix<double, 6, 1>::Zero();
 };

@@ -25,6 +25,13 @@ struct RayEnd {
   int di, dj;  // one of the four steps to a neighbor
 };
 
+/// Where a ray meets the model, in the camera's frame.
+struct RayHit {
+  Eigen::Vector3f place, normal;  // the normal points toward the camera
+  float length = 0;               // of the ray with z = 1
+  float facing = 0;               // cosine between the ray and the normal
+};
+
 /// Keeps references to all arguments. examine_pose writes the state and the residual of each ray.
 struct ExaminedRays {
   static constexpr int kMargin = 4;  ///< rays beyond an outline, wider than any hole of a cloud
@@ -32,21 +39,23 @@ struct ExaminedRays {
 
   ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
                const ExamineOptions& examine_options, ExamineScratch& memory,
-               std::vector<JudgedRay>* judged)
+               const RayHits& ray_hits, std::vector<JudgedRay>* judged)
       : image(range_image),
         geometry(image.geometry),
         options(examine_options),
         scratch(memory),
+        hits(ray_hits),
         judged_rays(judged),
         surface(model.surface),
         T_camera_model(geometry.T_camera_scene * model.T_scene_model),
         R_scene_camera(geometry.T_camera_scene.linear().transpose()),
         diameter(model.samples.diameter),
         jump(std::max(2 * options.verify.tolerance, 0.03F * diameter)),
+        step(2 * options.verify.tolerance),
         center(T_camera_model * model.samples.center),
         crop(box, kMargin) {}
 
-  float depth_at(int i, int j) const noexcept { return scratch.hits.depths[crop.at(i, j)]; }
+  float depth_at(int i, int j) const noexcept { return hits.depths[crop.at(i, j)]; }
 
   bool inside(int u, int v) const noexcept {
     return u >= 0 && v >= 0 && u < static_cast<int>(geometry.width) &&
@@ -74,6 +83,28 @@ struct ExaminedRays {
     }
   }
 
+  /// What a ray that hits the model meets.
+  RayHit hit_at(int i, int j) const {
+    RayHit hit;
+    const Eigen::Vector3f ray = ray_through(geometry, crop.u(i), crop.v(j));
+    hit.place = ray * depth_at(i, j);
+    hit.normal = (T_camera_model.linear() * hits.normals[crop.at(i, j)]).normalized();
+    if (hit.normal.dot(ray) > 0) hit.normal = -hit.normal;
+    hit.length = ray.norm();
+    hit.facing = -hit.normal.dot(ray) / hit.length;
+    return hit;
+  }
+
+  /// Whether the scene falls back behind the model at a pixel next to a hit: it is farther, or lies
+  /// a step below the surface. Between two points of one curved surface there is no step: as much
+  /// as the second lies below the plane of the first, so does the first below that of the second.
+  bool falls_back(const RayHit& hit, std::size_t pixel) const {
+    const float d = image.depth[pixel];
+    if (!(d > 0) || d > hit.place.z() + jump) return true;
+    const Eigen::Vector3f back = hit.place - geometry.back_project(pixel, d);
+    return 0.5F * (hit.normal + image.normals[pixel]).dot(back) > step;  // NaN: no normal
+  }
+
   /// J of a point and a direction in the camera's frame: see Examination::stability.
   Vector6 constraint(const Eigen::Vector3f& point, const Eigen::Vector3f& normal) const noexcept {
     const Eigen::Vector3f n = R_scene_camera * normal;
@@ -96,12 +127,14 @@ struct ExaminedRays {
   const ImageGeometry& geometry;
   const ExamineOptions& options;
   ExamineScratch& scratch;
+  const RayHits& hits;
   std::vector<JudgedRay>* judged_rays;
   const RayScene& surface;
   Pose T_camera_model;
   Eigen::Matrix3f R_scene_camera;
   float diameter;
   float jump;  ///< smallest depth step between different objects
+  float step;  ///< smallest step perpendicular to surfaces, where both are smooth
   Eigen::Vector3f center;
   RayCrop crop;
 };

@@ -103,18 +103,17 @@ bool runs_on(const ExaminedRays& rays, const RayEnd& end) noexcept {
 /// Count the scene beyond a position of the outline; returns whether that is free.
 bool judge_beyond(const ExaminedRays& rays, const RayEnd& end, Examination& out) {
   const auto [i, j, di, dj] = end;
-  const float z = rays.depth_at(i, j);
-  const int last = reach(rays, z);
+  const RayHit hit = rays.hit_at(i, j);
+  const int last = reach(rays, hit.place.z());
   bool any = false, open = false, judged = true;
   for (int step = 1; step <= last; ++step) {
     const int u = rays.crop.u(i) + step * di, v = rays.crop.v(j) + step * dj;
     if (!rays.inside(u, v)) break;
     any = true;
     const std::size_t pixel = rays.pixel_at(u, v);
-    const float d = rays.image.depth[pixel];
-    if (!(d > 0) || d > z + rays.jump) {
+    if (rays.falls_back(hit, pixel)) {
       open = true;
-    } else if (d < z - rays.jump ||
+    } else if (rays.image.depth[pixel] < hit.place.z() - rays.jump ||
                rays.options.verify.is_background(rays.image.near_plane[pixel])) {
       judged = false;  // hidden by something nearer, or standing on a table
     }
@@ -127,9 +126,7 @@ bool judge_beyond(const ExaminedRays& rays, const RayEnd& end, Examination& out)
   } else if (judged) {
     const bool touches = creases(rays, rays.crop.u(i), rays.crop.v(j), di, dj);
     (touches ? out.outline_touching : out.outline_crossed) += length;
-    if (!touches)
-      rays.record(RayVerdict::runs_on,
-                  ray_through(rays.geometry, rays.crop.u(i), rays.crop.v(j)) * z);
+    if (!touches) rays.record(RayVerdict::runs_on, hit.place);
   }
   return open;
 }
@@ -151,13 +148,15 @@ bool agrees_within(const ExaminedRays& rays, const RayEnd& end) noexcept {
 /// farther. Near a corner of the model that is hidden or continues, its sides would constrain the
 /// pose along themselves, as the steps of slanted sides would.
 Eigen::Vector2f direction_across(const ExaminedRays& rays, const RayEnd& end) {
-  const float farther = rays.depth_at(end.i, end.j) + rays.jump;
+  const RayHit hit = rays.hit_at(end.i, end.j);
   Eigen::Vector2f missed(0, 0), measured(0, 0);
   rays.each_missed_around(end.i, end.j, [&](int di, int dj) {
     const Eigen::Vector2f step(static_cast<float>(di), static_cast<float>(dj));
     missed += step;
     const int u = rays.crop.u(end.i + di), v = rays.crop.v(end.j + dj);
-    if (rays.inside(u, v) && rays.image.depth[rays.pixel_at(u, v)] > farther) measured += step;
+    if (!rays.inside(u, v)) return;
+    const std::size_t pixel = rays.pixel_at(u, v);
+    if (rays.image.depth[pixel] > 0 && rays.falls_back(hit, pixel)) measured += step;
   });
   const bool agree = missed.dot(measured) > kSameCosine * missed.norm() * measured.norm();
   return agree ? missed.normalized() : Eigen::Vector2f::Zero();

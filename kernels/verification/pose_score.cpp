@@ -59,4 +59,9 @@ float pose_probability(const ScoreModel& model, const ScoreParts& parts) noexcep
   return 1 / (1 + std::exp(-log_odds));
 }
 
+double log_odds(float probability, double least) noexcept {
+  const double p = std::clamp(static_cast<double>(probability), least, 1 - least);
+  return std::log(p / (1 - p));
+}
+
 }  // namespace trivet::kernels

@@ -81,4 +81,7 @@ float part_evidence(const ScoreModel& model, const ScoreParts& parts, std::size_
 /// The probability that the pose is right, 0..1.
 float pose_probability(const ScoreModel& model, const ScoreParts& parts) noexcept;
 
+/// Log odds of a probability clamped to [least, 1 - least].
+double log_odds(float probability, double least) noexcept;
+
 }  // namespace trivet::kernels

@@ -32,15 +32,15 @@ TEST(PoseTable, RecordsTestsInAnyOrder) {
   const auto tested = [](float score) {
     TestedPose pose;
     pose.score = score;
-    pose.test.tolerance = 10 * score;
+    pose.test.examination.tolerance = 10 * score;
     pose.T_scene_model.translation().x() = score;
     return pose;
   };
   table.set_tested(2, tested(0.25F));
   table.set_tested(0, tested(0.5F));
   EXPECT_EQ(table.score[2], 0.25F);
-  EXPECT_EQ(table.test(2).tolerance, 2.5F);
-  EXPECT_EQ(table.test(0).tolerance, 5);
+  EXPECT_EQ(table.test(2).examination.tolerance, 2.5F);
+  EXPECT_EQ(table.test(0).examination.tolerance, 5);
   EXPECT_EQ(table.T_scene_model[0].translation().x(), 0.5F);
   EXPECT_EQ(table.T_proposed[0].translation().x(), 0) << "as it was";
   EXPECT_EQ(table.stage[1], PoseStage::proposed);
@@ -49,7 +49,7 @@ TEST(PoseTable, RecordsTestsInAnyOrder) {
   table.set_settled(2, settled);
   EXPECT_EQ(table.tests.size(), 2U) << "a row is tested once";
   EXPECT_EQ(table.score[2], 0.75F);
-  EXPECT_EQ(table.test(2).tolerance, 7.5F);
+  EXPECT_EQ(table.test(2).examination.tolerance, 7.5F);
   EXPECT_EQ(table.ambiguity(2).siblings, std::vector<std::uint32_t>{1});
   EXPECT_TRUE(table.ambiguity(0).siblings.empty());
 }

@@ -66,7 +66,7 @@ TEST_F(Report, OrdersDetectionsByScoreAndThenBySelection) {
 
 TEST_F(Report, GivesLengthsInTheFilesUnit) {
   SettledPose turned = scored(0.9F);
-  turned.pose.test.tolerance = 0.2F;
+  turned.pose.test.examination.tolerance = 0.2F;
   turned.pose.test.examination.mean_square = 0.25F;
   turned.pose.test.examination.residual = 0;  // all of it may be correlated noise
   turned.ambiguity.alternatives.push_back(scored(0, 4).pose.T_scene_model);

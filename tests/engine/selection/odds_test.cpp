@@ -18,12 +18,6 @@ TEST(ScaleOdds, ScalesThem) {
   EXPECT_EQ(scale_odds(0, 0.5F), 0);
 }
 
-TEST(LogOdds, AreBoundedByTheLeastProbability) {
-  EXPECT_DOUBLE_EQ(log_odds(0.5F, 1e-4), 0);
-  EXPECT_NEAR(log_odds(0.75F, 1e-4), std::log(3), 1e-12);
-  EXPECT_DOUBLE_EQ(log_odds(0, 1e-3), -std::log(999.0));
-}
-
 TEST(RivalLogOdds, AreZeroBetweenEquals) { EXPECT_EQ(of_rivals(0.7F, 0.7F, 0), 0); }
 
 TEST(RivalLogOdds, RiseWithThePixelsAndTheScore) {

@@ -313,6 +313,70 @@ TEST(ExaminePose, FindsWhereTheSceneRunsOn) {
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
 }
 
+/// Examines with a tolerance that the pose's own residuals may lower to a tenth.
+Examination examine_lowered(const RangeImage& image, const Body& body, const Pose& pose) {
+  ExamineOptions options;
+  options.least_tolerance = 0.1F * kTolerance;
+  return examine(image, body, pose, {}, nullptr, options);
+}
+
+TEST(ExaminePose, LowersTheToleranceToWhatAPoseLeaves) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = render({{&brick(), flat}});
+  EXPECT_NEAR(examine_lowered(image, brick(), flat).tolerance, 0.1F * kTolerance, 1e-7F);
+  EXPECT_EQ(examine(image, brick(), flat).tolerance, kTolerance) << "if it may not be lowered";
+  test::Random random(7);
+  constexpr float kNoise = 1e-4F;
+  for (float& depth : image.depth) depth += random.normal(kNoise);
+  const Examination right = examine_lowered(image, brick(), flat);
+  EXPECT_GT(right.tolerance, 4 * kNoise);
+  EXPECT_LT(right.tolerance, 8 * kNoise);
+  EXPECT_GT(right.consistent, 0.99F * right.covered);
+  const Pose off = test::pose_of({0, 0, 0}, {0, 0, 0.6F + 0.5F * kTolerance});
+  EXPECT_EQ(examine_lowered(image, brick(), off).tolerance, kTolerance) << "residuals of 1.5 mm";
+}
+
+/// The front of a brick on a table a little behind it, all with normals.
+RangeImage face_on_table(const Pose& pose, float height) {
+  RangeImage image = render({{&brick(), pose}}, pose.translation().z() - 0.04F + height);
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
+    image.normals.set(pixel, Vector3f(0, 0, -1));
+  return image;
+}
+
+TEST(ExaminePose, SeesASheetEndOnATableAFewTolerancesBelow) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage image = face_on_table(flat, 0.003F);
+  const Examination e = examine_lowered(image, brick(), flat);
+  EXPECT_GT(e.outline_free, 0.95F * e.outline);
+  EXPECT_EQ(e.outline_crossed, 0);
+  EXPECT_GT(e.stability, 0.005F) << "its outline holds it";
+  const Examination coarse = examine(image, brick(), flat);
+  EXPECT_EQ(coarse.outline_free, 0) << "a step of one tolerance is none";
+
+  // Where the measured surface goes on in its plane, there is no end.
+  const Pose slid = test::pose_of({0, 0, 0}, {0.03F, 0.02F, 0.6F});
+  const Examination beside = examine_lowered(image, brick(), slid);
+  EXPECT_LT(beside.outline_free, 0.6F * beside.outline);
+  EXPECT_GT(beside.outline_crossed, 0.3F * beside.outline);
+}
+
+// A cylinder that goes on beyond the model's end bends away from the plane that touches it there.
+TEST(ExaminePose, SeesNoStepInASurfaceThatIsCurved) {
+  constexpr float kRod = 0.05F;
+  const Body rod = test::rod_of(kRod, 0.06F), longer = test::rod_of(kRod, 0.2F);
+  // Turned in the image, so that rows and columns cross the end at an angle.
+  const Pose pose = test::pose_of({0, 0, 0.5F}, {0, 0, 0.5F});
+  RangeImage image = render({{&longer, pose}});
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    if (!(image.depth[pixel] < kFar)) continue;
+    const Vector3f p = pose.inverse() * image.geometry.back_project(pixel, image.depth[pixel]);
+    image.normals.set(pixel, pose.linear() * Vector3f(0, p.y(), p.z()).normalized());
+  }
+  const Examination e = examine_lowered(image, rod, pose);
+  EXPECT_GT(e.outline_crossed, 0.2F * e.outline) << "both ends";
+}
+
 /// A brick's face in a wall that rises from it towards the camera by `slope`. The slope builds up
 /// over the first `rounded` meters, like a sensor's rounded crease. A negative slope falls away.
 RangeImage face_in_wall(float slope, float rounded) {

@@ -106,7 +106,7 @@ TEST(PoseScore, AddsWhatItsPartsSay) {
               1e-5);
 }
 
-double log_odds(double probability) { return std::log(probability / (1 - probability)); }
+double exact_log_odds(double probability) { return std::log(probability / (1 - probability)); }
 
 // Scans between independent and correlated errors of neighboring pixels.
 TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
@@ -137,7 +137,7 @@ TEST(PoseScore, MixesBothWeightsByTheCorrelation) {
     EXPECT_GT(std::abs(independent - shared), 0.01);
     for (const float correlation : {0.0F, 0.25F, 0.5F, 0.9F, 1.0F}) {
       const double mixed = std::lerp(independent, shared, static_cast<double>(correlation));
-      EXPECT_NEAR(log_odds(static_cast<double>(at(model, correlation))), mixed, 1e-4);
+      EXPECT_NEAR(exact_log_odds(static_cast<double>(at(model, correlation))), mixed, 1e-4);
     }
   }
 }
@@ -150,6 +150,12 @@ TEST(PoseScore, HasKnotsThatRiseAndWeightsThatAreNotNegative) {
       for (const ScoreModel::Weights& weights : model.weights) EXPECT_GE(weights[k][i], 0);
     }
   }
+}
+
+TEST(LogOdds, AreBoundedByTheLeastProbability) {
+  EXPECT_DOUBLE_EQ(kernels::log_odds(0.5F, 1e-4), 0);
+  EXPECT_NEAR(kernels::log_odds(0.75F, 1e-4), std::log(3), 1e-12);
+  EXPECT_DOUBLE_EQ(kernels::log_odds(0, 1e-3), -std::log(999.0));
 }
 
 }  // namespace
