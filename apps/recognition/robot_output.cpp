@@ -63,7 +63,7 @@ RobotOutput::RobotOutput(std::string file, const Library& library, RobotSetup se
 Result<void> RobotOutput::add(const RecognizedScene& scene) {
   for (const Detection& detection : scene.reported.detections) {
     table_.add({scene.input.file.string(), detection.model, detection.score, detection.pose_score(),
-                !detection.alternatives.empty(),
+                detection.is_ambiguous(),
                 in_file_frame(detection.T_scene_model, scene.reported.offset),
                 scene_unit(scene.input, library_.header.unit)});
   }

@@ -27,7 +27,7 @@ std::string headline(const RecognitionReport& report) {
     seconds += result.stats.total_seconds;
     for (const Detection& detection : result.detections) {
       models.insert(detection.model);
-      ambiguous += detection.alternatives.empty() ? 0 : 1;
+      ambiguous += detection.is_ambiguous() ? 1 : 0;
     }
   }
   std::string out =

@@ -142,6 +142,7 @@ std::string other_than(const Detection& detection) {
   std::string out;
   if (!detection.alternatives.empty())
     out = counted(detection.alternatives.size(), "other pose", "other poses");
+  if (detection.is_uncertain) out += (out.empty() ? "" : "; ") + std::string("a place beside it");
   for (const std::string& sibling : detection.siblings)
     out += (out.empty() ? "" : "; ") + escape_html(sibling);
   return out;
@@ -290,9 +291,7 @@ std::string times_and_counts(const Subject& subject) {
 
 std::string caption(const Subject& subject) {
   const SceneResult& result = subject.result;
-  const auto ambiguous =
-      std::count_if(result.detections.begin(), result.detections.end(),
-                    [](const Detection& detection) { return !detection.alternatives.empty(); });
+  const auto ambiguous = std::ranges::count_if(result.detections, &Detection::is_ambiguous);
   std::string out =
       fmt::format("<b>{}</b><span class=\"{}\">{} found</span>",
                   escape_html(subject.input.file.filename().string()),

@@ -114,6 +114,23 @@ nlohmann::ordered_json turns_json(const std::optional<TurnExtent>& turns) {
           {"to_deg", kDegreesPerRadian * turns->high}};
 }
 
+/// Standard deviations along and about the model's axes, and the whole covariance in rows; lengths
+/// in the scene file's unit, angles of the covariance in rad.
+nlohmann::ordered_json sigma_json(const kernels::PoseCovariance& covariance) {
+  if (covariance.isZero(0)) return nullptr;
+  constexpr float kDegreesPerRadian = 57.29578F;
+  const Eigen::Matrix<float, 6, 1> sigma = kernels::pose_sigma(covariance);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (Eigen::Index row = 0; row < 6; ++row) {
+    nlohmann::ordered_json& numbers = rows.emplace_back(nlohmann::ordered_json::array());
+    for (Eigen::Index column = 0; column < 6; ++column) numbers.push_back(covariance(row, column));
+  }
+  const Eigen::Vector3f angles = kDegreesPerRadian * sigma.tail<3>();
+  return {{"translation", {sigma[0], sigma[1], sigma[2]}},
+          {"rotation_deg", {angles.x(), angles.y(), angles.z()}},
+          {"covariance", std::move(rows)}};
+}
+
 /// Lengths in the scene file's unit; null for closed surfaces, which no sensor has measured.
 nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& sensor) {
   if (!sensor) return nullptr;
@@ -256,8 +273,9 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
          {"parts", parts_json(detection.parts)},
          {"evidence", evidence_json(score, detection.parts)},
          {"alone", kernels::pose_probability(score, detection.parts)},
-         {"ambiguous", !detection.alternatives.empty()},
+         {"ambiguous", detection.is_ambiguous()},
          {"pose_share", detection.pose_share},
+         {"pose_sigma", sigma_json(detection.covariance)},
          {"turns", turns_json(detection.turns)},
          {"alternatives", alternatives_json(detection.alternatives, result.offset)},
          {"siblings", detection.siblings},

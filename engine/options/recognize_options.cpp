@@ -155,6 +155,15 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .label = "least score held against the very pose",
            .help = "Report only detections whose very pose, not only the object, has the least "
                    "score"}),
+      declare<TRIVET_FIELD(max_sigma)>(
+          {.name = "max-sigma",
+           .group = kAnswers,
+           .label = "largest standard deviation of a position",
+           .unit = "scene unit",
+           .help = "Detections are ambiguous whose position is less certain in some direction, as "
+                   "along a face whose ends are hidden",
+           .unset_help = "any",
+           .range = {0, kAny, true}}),
       declare<TRIVET_FIELD(max_instances)>({.name = "max-instances",
                                             .group = kAnswers,
                                             .label = "instances of a model",

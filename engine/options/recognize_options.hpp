@@ -139,6 +139,9 @@ struct RecognizeOptions {
   PlaceQuestion explain{};  ///< answered in SceneResult::explanation
   /// Require that the probability of this exact pose, score * pose_share, is at least min_score.
   bool require_pose = false;
+  /// Largest standard deviation of a position, in its least certain direction; less certain
+  /// detections are ambiguous [scene file's unit]. Absent: any.
+  std::optional<float> max_sigma{};
   std::vector<std::string> models{};  ///< names of the models to search for; empty: all
   PoseLimits limits{};
   /// Expected poses. They are tested before any voting; voting then searches only what they leave

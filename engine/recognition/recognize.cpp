@@ -188,6 +188,10 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
     place.models = std::move(result.explanation->models);
     result.explanation = std::move(place);
   }
+  if (asked.max_sigma) {
+    for (Detection& detection : result.detections)
+      detection.is_uncertain = kernels::largest_shift(detection.covariance) > *asked.max_sigma;
+  }
   result.offset = cloud.offset;
   result.stats.total_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

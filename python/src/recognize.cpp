@@ -77,6 +77,16 @@ py::array_t<double> alternatives_of(const DetectionHandle& self) {
   return matrices_of(poses);
 }
 
+py::array_t<double> covariance_of(const DetectionHandle& self) {
+  py::array_t<double> out({6, 6});
+  auto numbers = out.mutable_unchecked<2>();
+  for (py::ssize_t row = 0; row < 6; ++row) {
+    for (py::ssize_t column = 0; column < 6; ++column)
+      numbers(row, column) = static_cast<double>(self.one->covariance(row, column));
+  }
+  return out;
+}
+
 template <class Kind>
 py::dict score_parts(const Part<Kind>& self) {
   py::dict out;
@@ -180,6 +190,7 @@ void add_detections(py::module_& module) {
       .def_property_readonly("pose_share", has(&Detection::pose_share))
       .def_property_readonly("pose_score",
                              [](const Handle& self) { return self.one->pose_score(); })
+      .def_property_readonly("covariance", &covariance_of)
       .def_property_readonly("turns", &turns_of);
   py::class_<RejectedHandle>(module, "RejectedPose")
       .def_property_readonly("model", [](const RejectedHandle& self) { return self.one->model; })

@@ -156,6 +156,9 @@ class Detection:
     def pose(self) -> Doubles:
         """(4, 4): points of the model to points of the scene."""
     @property
+    def covariance(self) -> Doubles:
+        """(6, 6): of shifts along and turns [rad] about the model's axes, at its center."""
+    @property
     def alternatives(self) -> Doubles:
         """(k, 4, 4): other poses that the scan cannot tell from this one."""
     @property

@@ -79,6 +79,9 @@ class TestRecognize:
                 near = min(np.linalg.norm(truth.pose[:3, 3] - detection.pose[:3, 3])
                            for truth in scene.truth if truth.model == detection.model)
                 assert near < 0.1 * library[detection.model].diameter
+                assert detection.covariance.shape == (6, 6)
+                assert np.all(np.linalg.eigvalsh(detection.covariance) >= -1e-12)
+                assert 0 < detection.covariance[0, 0] < library[detection.model].diameter ** 2
         assert num_found >= 3
 
     def test_accepts_arrays_of_any_layout(self, piles, library):

@@ -194,6 +194,27 @@ TEST_F(TrainRecognize, ReportsAVeryPoseThatIsRequiredWhereTheScanHoldsIt) {
   EXPECT_EQ(required, found);
 }
 
+TEST_F(TrainRecognize, ReportsHowFarOffAPoseMayBe) {
+  const nlohmann::json found = recognized()["scenes"][0]["detections"][0];
+  const nlohmann::json& sigma = found.at("pose_sigma");
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double shift = sigma.at("translation")[k], turn = sigma.at("rotation_deg")[k];
+    EXPECT_GT(shift, 0);
+    EXPECT_LT(shift, 0.01) << "the bracket is seen well";
+    EXPECT_NEAR(sigma.at("covariance")[k][k].get<double>(), shift * shift, 1e-5 * shift * shift);
+    EXPECT_NEAR(sigma.at("covariance")[k + 3][k + 3].get<double>(),
+                std::pow(turn * 3.14159265 / 180, 2), 1e-4 * turn * turn);
+  }
+  EXPECT_FALSE(found.at("ambiguous"));
+  const double least = sigma.at("translation")[0];
+  const auto ambiguous = [&](double max_sigma) {
+    const std::string text = fmt::format("{}", max_sigma);
+    return recognized({"--max-sigma", text})["scenes"][0]["detections"][0].at("ambiguous");
+  };
+  EXPECT_TRUE(ambiguous(0.5 * least));
+  EXPECT_FALSE(ambiguous(1));
+}
+
 TEST_F(TrainRecognize, PrintsNothingButJsonToStandardOutput) {
   const test::Outcome outcome = run({"recognize", "library.h5", "scan.ply", "--json", "-"});
   ASSERT_EQ(outcome.exit_code, 0);
