@@ -108,4 +108,4 @@ Option<Options> declare_option(OptionInfo info) {
 
 /// The field that a path names, for declare_option.
 #define TRIVET_FIELD(path) \
-  [](auto& options) -> auto& { return options.path; }
+  [](auto& options) -> auto& { return options.path; }  // NOLINT: names of members have no brackets

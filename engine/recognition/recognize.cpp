@@ -204,7 +204,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
 
 Result<SceneResult> recognize(const Recognizer& recognizer, const Cloud& cloud,
                               const SceneInput& input, const RecognizeOptions& asked,
-                              std::stop_token stop) {
+                              std::stop_token stop) {  // NOLINT: the caller may give it away
   const Library& library = recognizer.library();
   TRIVET_TRY(library.unchanged());
   // If the mapped file was changed meanwhile, neither a result nor an exception is a valid answer.
