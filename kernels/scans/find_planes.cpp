@@ -131,6 +131,7 @@ Plane flatten(const Plane& plane, const LeftPoints& left, const PlaneOptions& op
   }
   collect(flat, 2 * flat_window);
   std::vector<float> distances;
+  distances.reserve(near.size());
   for (const NearPoint& point : near) distances.push_back(std::abs(point.distance));
   flat.thickness =
       std::clamp(kDeviations * median(std::span(distances)), kRounding * tolerance, tolerance);
