@@ -71,10 +71,14 @@ void collect_distances(const ExaminedRays& rays, Column<float>& distances) {
   }
 }
 
+/// Whether the residuals of a pose may lower the tolerance.
+bool may_lower(const ExamineOptions& options) noexcept {
+  return options.least_tolerance > 0 && options.least_tolerance < options.verify.tolerance;
+}
+
 /// The tolerance by the residuals of a pose: what the sensor and the model leave at the right one.
 float own_tolerance(const ExamineOptions& options, Column<float>& distances) noexcept {
-  const bool is_fixed = !(options.least_tolerance > 0);
-  if (is_fixed || distances.size() < kFewestDistances) return options.verify.tolerance;
+  if (distances.size() < kFewestDistances) return options.verify.tolerance;
   const auto at = distances.begin() +
                   static_cast<std::ptrdiff_t>(kQuantile * static_cast<float>(distances.size()));
   std::nth_element(distances.begin(), at, distances.end());
@@ -117,10 +121,11 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
       }
       const bool background =
           rays.options.verify.is_background(rays.image.plane[static_cast<std::size_t>(pixel)]);
+      Vector6 J;  // of rays that hold the pose
       if (!background && std::abs(r) <= largest_tolerance) {
         const double share = static_cast<double>(r / largest_tolerance);
         const double robust = (1 - share * share) * (1 - share * share);  // Tukey
-        const Vector6 J = rays.constraint(hit.place, hit.normal);
+        J = rays.constraint(hit.place, hit.normal);
         within.information.noalias() += robust * J * J.transpose();
         within.gradient -= robust * static_cast<double>(r) * J;
       }
@@ -153,7 +158,6 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
             (rays.R_scene_camera * (hit.place - rays.center)).cast<double>();
         sums.places += place;
         sums.spread.noalias() += place * place.transpose();
-        const Vector6 J = rays.constraint(hit.place, hit.normal);
         own.noalias() += J * J.transpose();
         if (explained)
           explained->pixels.push_back(first_pixel +
@@ -277,7 +281,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
   each_crop(options, [&](const ExaminedRays& cast, std::size_t k) {
     shoot_rays(cast.geometry, cast.crop, cast.surface, cast.T_camera_model, scratch.directions,
                scratch.hits[k]);
-    collect_distances(cast, scratch.distances);
+    if (may_lower(options)) collect_distances(cast, scratch.distances);
   });
   ExamineOptions judged = options;
   out.tolerance = judged.verify.tolerance = own_tolerance(options, scratch.distances);

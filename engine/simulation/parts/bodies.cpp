@@ -20,10 +20,9 @@ Design housing(CounterRandom& random) {
       shifted(along_x(rod(port, 0, between(random, 0.6F, 0.85F))), 0, side, middle);
   const float bore = tower * between(random, 0.5F, 0.65F), screw = between(random, 0.08F, 0.11F);
   const float x = 0.83F, y = width - 0.17F;
-  const Solid holes =
-      shifted(rod(bore, -kFar, kFar), at, 0, 0) | shifted(rod(screw, -kFar, kFar), x, y, 0) |
-      shifted(rod(screw, -kFar, kFar), x, -y, 0) | shifted(rod(screw, -kFar, kFar), -x, y, 0) |
-      shifted(along_x(rod(0.6F * port, 0.45F, kFar)), 0, side, middle);
+  const Solid holes = hole(bore, at, 0) | hole(screw, x, y) | hole(screw, x, -y) |
+                      hole(screw, -x, y) |
+                      shifted(along_x(rod(0.6F * port, 0.45F, kFar)), 0, side, middle);
   return {outside - holes, no_symmetry(), 4};
 }
 

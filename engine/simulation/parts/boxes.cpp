@@ -12,7 +12,7 @@ Design cut_block(CounterRandom& random, bool drilled) {
   const Solid body = block({-1, -width, -height}, {1, width, height}) -
                      block({1 - cut, width - 0.6F * cut, -kFar}, {kFar, kFar, kFar});
   if (!drilled) return {body, no_symmetry(), 0};
-  return {body - shifted(rod(bore, -kFar, kFar), x, y, 0), no_symmetry(), 1};
+  return {body - hole(bore, x, y), no_symmetry(), 1};
 }
 
 }  // namespace
