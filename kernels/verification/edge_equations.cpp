@@ -11,6 +11,12 @@ namespace {
 // pixels along it. What a whole side errs by, since sensors shift edges and cameras are calibrated
 // to about a pixel, no number of pixels reduces.
 constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.7, kSides = 4;
+// Where a pixel sees both sides of an edge, sensors measure either, or nothing: all edges shift by up
+// to a pixel. Those that match windows shift them by half the possible displacement besides.
+constexpr double kCommonShift = 1, kShareOfWindow = 0.5;
+// Edges much farther away than those shifts may be those of another surface: their weights fall as
+// Cauchy's, so that they still draw a pose that slid far [pixel].
+constexpr double kNearEdge = 3;
 constexpr int kEdgeReach = 12;       // pixels from the model's end to that of the surface
 constexpr int kCertain = 2;          // pixels measured beyond the model before a gap
 constexpr float kFlatCosine = 0.3F;  // of incidence: a surface that is continued in its plane
@@ -105,19 +111,29 @@ void EdgeEquations::add(const ExaminedRays& rays, const RayEnd& end) {
   const double deviation = static_cast<double>(pixel) *
                            (kEdgeError + static_cast<double>(rays.options.edge_pixels)) *
                            std::sqrt(kEdgeRun / share);
-  const double weight = 1 / (deviation * deviation);
+  const auto width = static_cast<double>(pixel), distance = static_cast<double>(*pixels * along);
+  const double far = distance / (kNearEdge + static_cast<double>(rays.options.edge_pixels));
+  const double weight = 1 / (deviation * deviation * (1 + far * far));
   const Vector6 J = rays.edge_constraint(end.i, end.j, across);
   sums_.information.noalias() += weight * J * J.transpose();
-  sums_.gradient.noalias() += weight * static_cast<double>(*pixels * along * pixel) * J;
+  sums_.gradient.noalias() += weight * distance * width * J;
+  cross_ += weight * width * J;
+  shift_information_ += weight * width * width;
+  shift_gradient_ += weight * width * width * distance;
+  shift_deviation_ = kCommonShift + kShareOfWindow * static_cast<double>(rays.options.edge_pixels);
   count_ += 1;
 }
 
 void EdgeEquations::add_to(PoseEquations& equations) const {
+  if (count_ == 0) return;
   const double weight = 1 / (1 + kSharedEdgeError * kSharedEdgeError * count_ /
                                      (kSides * kEdgeError * kEdgeError * kEdgeRun));
-  equations.held += weight * sums_.information;
-  equations.information += weight * sums_.information;
-  equations.gradient += weight * sums_.gradient;
+  // The shift is solved for beside the pose, and eliminated by its Schur complement.
+  const double shift = shift_information_ + 1 / (weight * shift_deviation_ * shift_deviation_);
+  const Matrix6 information = sums_.information - cross_ * cross_.transpose() / shift;
+  equations.held += weight * information;
+  equations.information += weight * information;
+  equations.gradient += weight * (sums_.gradient - cross_ * (shift_gradient_ / shift));
 }
 
 }  // namespace trivet::kernels

@@ -12,11 +12,18 @@ class EdgeEquations {
   /// Add the distance between an end of the model and that of the measured surface before it, if
   /// the surface ends nearby, before something farther.
   void add(const ExaminedRays& rays, const RayEnd& end);
-  /// Add these equations to those of the surfaces. Those of a side of the object err alike.
+  /// Add these equations to those of the surfaces, without the shift that all edges share: sensors
+  /// lose pixels at edges, or let objects grow there, alike on all sides. Those of a side of the
+  /// object err alike besides.
   void add_to(PoseEquations& equations) const;
 
  private:
   PoseEquations sums_;
+  // The shift of all edges away from the model [pixel]: its own equation, and its terms in the
+  // others.
+  Eigen::Matrix<double, 6, 1> cross_ = Eigen::Matrix<double, 6, 1>::Zero();
+  double shift_information_ = 0, shift_gradient_ = 0;
+  double shift_deviation_ = 0;  // by the sensor [pixel]
   double count_ = 0;
 };
 

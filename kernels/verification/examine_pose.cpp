@@ -29,6 +29,9 @@ constexpr float kShallow = 6;
 // If neighbors err alike, depth is locally wrong by a few tolerances: only measurements this much
 // more than a tolerance behind the model are certain violations.
 constexpr float kSoftness = 1.5F;
+// Depth is measured over the width of a pixel, and what an oblique surface has there depends on where
+// in it: the rays err sideways by half a pixel.
+constexpr double kSidewaysError = 0.5;
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
@@ -41,9 +44,9 @@ struct Sums {
   EdgeEquations edges;
 };
 
-/// Variance of a pixel that counts for the rays around it: errors that neighbors share do not
-/// average out within a window.
-double variance_of_pixel(const ExaminedRays& rays) noexcept {
+/// Variance of a pixel that counts for the rays around it, across a surface that faces the sensor:
+/// errors that neighbors share do not average out within a window.
+double variance_facing(const ExaminedRays& rays) noexcept {
   const double side = std::max(1.0, (2 * static_cast<double>(rays.options.window) + 1) /
                                         static_cast<double>(rays.crop.stride));
   const auto own = static_cast<double>(rays.options.error),
@@ -94,7 +97,8 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
   const auto square = static_cast<float>(rays.crop.stride * rays.crop.stride);
   const float softness = std::max(1e-6F, kSoftness * rays.options.correlation);
   Matrix6 own = Matrix6::Zero();
-  PoseEquations within;  // of rays within the largest tolerance, with a standard deviation of 1
+  PoseEquations within;  // the rays within the largest tolerance count for `information`
+  const double variance = variance_facing(rays);
   for (int j = 0; j < rays.crop.height; ++j) {
     for (int i = 0; i < rays.crop.width; ++i) {
       const std::size_t at = rays.crop.at(i, j);
@@ -122,12 +126,16 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
       const bool background =
           rays.options.verify.is_background(rays.image.plane[static_cast<std::size_t>(pixel)]);
       Vector6 J;  // of rays that hold the pose
+      double weight = 0;
       if (!background && std::abs(r) <= largest_tolerance) {
         const double share = static_cast<double>(r / largest_tolerance);
         const double robust = (1 - share * share) * (1 - share * share);  // Tukey
+        const double sideways = kSidewaysError * static_cast<double>(z / rays.geometry.fx);
+        const auto facing = static_cast<double>(hit.facing);
+        weight = 1 / (variance + sideways * sideways * (1 - facing * facing));
         J = rays.constraint(hit.place, hit.normal);
-        within.information.noalias() += robust * J * J.transpose();
-        within.gradient -= robust * static_cast<double>(r) * J;
+        within.information.noalias() += robust * weight * J * J.transpose();
+        within.gradient -= robust * weight * static_cast<double>(r) * J;
       }
       if (std::abs(r) > tolerance) {
         if (measured_beside(rays.image, expected, tolerance, rays.options.edge_pixels)) continue;
@@ -159,6 +167,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
         sums.places += place;
         sums.spread.noalias() += place * place.transpose();
         own.noalias() += J * J.transpose();
+        within.held.noalias() += weight * J * J.transpose();
         if (explained)
           explained->pixels.push_back(first_pixel +
                                       static_cast<std::uint32_t>(v) * rays.geometry.width +
@@ -168,10 +177,9 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
   }
   sums.covariance += own;
   if (!(rays.options.error > 0)) return;  // no equations are wanted
-  const double weight = 1 / variance_of_pixel(rays);
-  sums.surfaces.held += weight * own;
-  sums.surfaces.information += weight * within.information;
-  sums.surfaces.gradient += weight * within.gradient;
+  sums.surfaces.held += within.held;
+  sums.surfaces.information += within.information;
+  sums.surfaces.gradient += within.gradient;
 }
 
 /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <vector>
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/verification/examine_pose.hpp"
@@ -78,25 +79,73 @@ TEST(PoseEquations, HoldASlideByEdgesAloneWhereTheSceneFallsBack) {
   EXPECT_LT(information_on_slide(in_contact), 1) << "the face goes on";
 }
 
-const Pose kTilted = test::pose_of({0.6F, -0.5F, 0.3F}, {0.02F, -0.01F, 0.6F});
+/// The image without the outermost pixels of what is nearer than the wall.
+RangeImage without_rim(RangeImage image) {
+  const std::vector<float> depth(image.depth.begin(), image.depth.end());
+  const std::size_t width = image.geometry.width;
+  for (std::size_t at = width; at + width < depth.size(); ++at) {
+    for (const std::size_t beside : {at - 1, at + 1, at - width, at + width}) {
+      if (depth[beside] == kFar) image.depth[at] = kFar;
+    }
+  }
+  return image;
+}
+
+// Sensors drop the pixels that see both sides of an edge.
+TEST(PoseEquations, KeepAFaceInPlaceWhoseRimIsNotMeasured) {
+  const Pose turned =
+      test::pose_of({0, 0, 0.15F}, kFacing.translation());  // unlike the pixels' grid
+  RangeImage image = without_rim(render({{&brick(), turned}}));
+  const auto off = [&] {
+    return (solved(image, brick(), turned).translation() - turned.translation()).norm() / kPixel;
+  };
+  EXPECT_LT(off(), 0.1F) << "opposite edges agree on the shift";
+  // Its right end touches something, and only the left one holds it along x.
+  for (std::size_t at = 0; at < image.depth.size(); ++at) {
+    if (at % image.geometry.width > 90) image.depth[at] = 0.6F;
+  }
+  EXPECT_LT(off(), 0.3F) << "those above and below tell the shift";
+}
+
+// They draw a face that slid far, but not where the right edge lies beside it.
+TEST(PoseEquations, WeighFarEdgesLess) {
+  const auto information = [](float slide) {
+    const RangeImage image =
+        render({{&brick(), Eigen::Translation3f(slide * kPixel, 0, 0) * kFacing}});
+    return information_on_slide(image);
+  };
+  EXPECT_LT(information(9), 0.3 * information(0));
+}
 
 // In a window, shared errors do not average out.
 TEST(PoseEquations, CountCorrelatedErrorsOncePerWindow) {
-  const RangeImage image = render({{&brick(), kTilted}});
+  const RangeImage image = render({{&brick(), kFacing}});
   ExamineOptions options;
   options.verify.tolerance = kAgreement;
-  options.error = 0.1F * kAgreement;
+  options.error = kAgreement;  // far above what half a pixel to the side makes of it
   options.window = 2;
   const auto depth_information = [&](float shared) {
     options.correlated_noise.height = shared;
     ExamineScratch scratch;
     PoseEquations e;
-    examine_pose({&image, 1}, {brick().surface, brick().samples, kTilted}, {}, options, scratch,
+    examine_pose({&image, 1}, {brick().surface, brick().samples, kFacing}, {}, options, scratch,
                  {.equations = &e});
     return e.information(5, 5);
   };
   // Every second pixel has a ray, and a window 5 x 5 pixels.
-  EXPECT_NEAR(depth_information(0) / depth_information(0.2F * kAgreement), 1 + 25.0 / 4 * 4, 1);
+  EXPECT_NEAR(depth_information(0) / depth_information(2 * kAgreement), 1 + 25.0 / 4 * 4, 1);
+}
+
+// What an oblique surface has within a pixel differs by more than depth errs.
+TEST(PoseEquations, TrustObliqueSurfacesToHalfAPixel) {
+  const auto held_along_normal = [](float angle) {
+    const Pose pose = test::pose_of({angle, 0, 0}, kFacing.translation());
+    const Eigen::Vector3f n = pose.linear().col(2);
+    return n.cast<double>().dot(equations_of(render({{&brick(), pose}}), brick(), pose)
+                                    .information.bottomRightCorner<3, 3>() *
+                                n.cast<double>());
+  };
+  EXPECT_LT(held_along_normal(0.6F), 0.1 * held_along_normal(0)) << "of nearly as many pixels";
 }
 
 }  // namespace
