@@ -12,8 +12,11 @@ namespace trivet::engine {
 namespace {
 
 constexpr float kPlace = 0.2F;  // [diameters]
-// Where many instances of a model lie, the best visible ones must not use up the budget.
-constexpr std::size_t kRefinedAPlace = 4, kExaminedAPlace = 2;
+// Where many instances of a model lie, the best visible ones must not use up the budget: each place
+// gets so many first, and what is left of the budget goes to further ones of a place. Flat parts have
+// many poses at a place that differ by a turn or a flip, which coarse tests do not tell apart.
+constexpr std::size_t kRefinedAPlace = 8, kExaminedAPlace = 2;
+constexpr std::size_t kFurther = 4;        // times as many
 constexpr float kSameTranslation = 0.01F;  // [diameters]
 constexpr float kSameRotationRad = 0.035F;
 
@@ -23,8 +26,17 @@ class Spread {
   Spread(const PoseTable& table, const ModelInfo& model, std::size_t limit_a_place)
       : table_(table), model_(model), limit_a_place_(limit_a_place) {}
 
-  /// Add rows with scores above a minimum in this order, until there are `limit` in total.
+  /// Add rows with scores above a minimum in this order, until there are `limit` in total: first
+  /// few a place, then further ones.
   void add(std::span<const Row> order, float least_score, std::size_t limit) {
+    add(order, least_score, limit, limit_a_place_);
+    add(order, least_score, limit, kFurther * limit_a_place_);
+  }
+  std::vector<Row> chosen() && { return std::move(chosen_); }
+
+ private:
+  void add(std::span<const Row> order, float least_score, std::size_t limit,
+           std::size_t limit_a_place) {
     for (const Row row : order) {
       if (chosen_.size() == limit) return;
       if (!(table_.score[row] > least_score) || std::ranges::find(chosen_, row) != chosen_.end())
@@ -33,14 +45,12 @@ class Spread {
       const auto near = std::ranges::count_if(centers_, [&](const Eigen::Vector3f& other) {
         return (other - center).norm() < kPlace * model_.diameter;
       });
-      if (near >= static_cast<std::ptrdiff_t>(limit_a_place_)) continue;
+      if (near >= static_cast<std::ptrdiff_t>(limit_a_place)) continue;
       chosen_.push_back(row);
       centers_.push_back(center);
     }
   }
-  std::vector<Row> chosen() && { return std::move(chosen_); }
 
- private:
   const PoseTable& table_;
   const ModelInfo& model_;
   std::size_t limit_a_place_;

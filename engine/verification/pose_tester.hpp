@@ -72,6 +72,11 @@ class PoseTester {
   /// scores higher, the result is that one: see kernels::PoseEquations.
   TestedPose examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                      const Pose& pose, kernels::ExamineScratch& scratch) const;
+  /// Refine a pose once more with all samples, to all of the surface within its tolerance and to what
+  /// lies within the sensor's error, and test both; the result is the second if it scores clearly
+  /// higher.
+  TestedPose polish_and_examine(const kernels::RayScene& surface, const kernels::ScoreModel& score,
+                                const Pose& pose, kernels::ExamineScratch& scratch) const;
   /// Verdicts of the individual rays of that test.
   std::vector<kernels::JudgedRay> judged_rays(const kernels::RayScene& surface,
                                               const Pose& pose) const;
@@ -84,6 +89,7 @@ class PoseTester {
   bool are_apart(const Pose& a, const Pose& b) const;
   std::optional<Pose> solve(const Pose& pose, const kernels::PoseEquations& equations) const;
   const std::optional<Symmetry::Axis>& free_axis() const;
+  Pose sharpened(const Pose& pose) const;
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
   /// Width of a pixel where the model is [scene unit].

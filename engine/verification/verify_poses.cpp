@@ -91,8 +91,8 @@ Result<std::vector<Row>> PoseVerifier::examine(PoseTable& table, std::span<const
     const std::uint32_t model = table.model[rows[k]];
     const Pose& pose = table.T_scene_model[rows[k]];
     const PoseTester& tester = this->tester(model);
-    tested[k] = options_.rays ? tester.examine(*surfaces->at(model), recognizer_.score(),
-                                               tester.polished(pose), scratch.local())
+    tested[k] = options_.rays ? tester.polish_and_examine(*surfaces->at(model), recognizer_.score(),
+                                                          pose, scratch.local())
                               : judged_by_samples(tester, pose, table.score[rows[k]]);
   });
   std::vector<Row> within;

@@ -51,13 +51,22 @@ TEST_F(ChooseRows, RefinesNothingWithoutEvidence) {
   EXPECT_TRUE(choose_to_judge(table_, all(), model(), 9).empty());
 }
 
-TEST_F(ChooseRows, GivesNoPlaceMoreThanItsPart) {
-  for (int k = 0; k < 6; ++k) add(0.01F * static_cast<float>(k), 0.9F, 0.5F);
+TEST_F(ChooseRows, GivesEachPlaceItsPartBeforeAnyHasMore) {
+  Rows there;
+  for (int k = 0; k < 40; ++k) there.push_back(add(0.001F * static_cast<float>(k), 0.9F, 0.5F));
   const Row aside = add(1, 0.1F, 0.01F);
-  const Rows refined = choose_to_refine(table_, all(), model(), 20);
-  EXPECT_EQ(refined, (Rows{0, 1, 2, 3, aside}));
-  EXPECT_EQ(choose_to_judge(table_, all(), model(), 20), (Rows{0, 1, 2, 3, 4, 5, aside}))
-      << "contours are judged of three times as many";
+  const auto best = [&](std::ptrdiff_t count) {
+    Rows rows(there.begin(), there.begin() + count);
+    rows.push_back(aside);
+    return rows;
+  };
+  EXPECT_EQ(choose_to_refine(table_, all(), model(), 9), best(8)) << "the ninth is another place's";
+  EXPECT_EQ(choose_to_refine(table_, all(), model(), 21).size(), 21U) << "what is left goes deeper";
+  EXPECT_EQ(choose_to_refine(table_, all(), model(), 41).size(), 33U) << "but not without end";
+  Rows judged = choose_to_judge(table_, all(), model(), 9);
+  EXPECT_EQ(judged.size(), 27U) << "contours are judged of three times as many";
+  judged.resize(25);
+  EXPECT_EQ(judged, best(24));
 }
 
 TEST_F(ChooseRows, JudgesMoreContoursThanItRefines) {
