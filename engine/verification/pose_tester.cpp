@@ -137,7 +137,9 @@ Pose PoseTester::sharpened(const Pose& pose) const {
 
 Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options) const {
   if (!options_.refinement) return pose;
-  return kernels::refine_pose(scene_.images, samples_, pose, options).T_scene_model;
+  kernels::RefineOptions to = options;
+  to.plane_is_background = background_;
+  return kernels::refine_pose(scene_.images, samples_, pose, to).T_scene_model;
 }
 
 kernels::ExamineOptions PoseTester::examine_options(const Pose& pose) const {

@@ -17,6 +17,8 @@ struct RefineOptions {
   float first_gate = 0;
   float last_gate = 0;  ///< gate of the last iteration; it shrinks geometrically, > 0
   float max_normal_angle_rad = 1.0F;
+  /// One per plane number, as VerifyOptions::plane_is_background: what it measures draws no pose.
+  std::span<const std::uint8_t> plane_is_background{};
   /// Largest motion of the model's center, beyond which the result is discarded, > 0.
   float max_translation = 0;
   float max_rotation_rad = 0.35F;

@@ -126,6 +126,21 @@ TEST(RefinePose, IgnoresWhatHidesTheModelInPart) {
   }
 }
 
+TEST(RefinePose, IsNotDrawnByBackgroundPlanes) {
+  BoxScene scene;
+  Random random(5);
+  const Pose start = scene.off(random, 3 * kDegree, 0.02F);
+  RangeImage image = scene.see();
+  std::ranges::fill(image.plane, std::uint8_t{2});
+  const std::array<std::uint8_t, 2> first{1, 0}, second{0, 1};
+  scene.options.plane_is_background = first;
+  EXPECT_GT(scene.refine(image, start).iterations, 0);
+  scene.options.plane_is_background = second;
+  const Refined refined = scene.refine(image, start);
+  EXPECT_EQ(refined.iterations, 0) << "nothing else is measured";
+  EXPECT_EQ(refined.T_scene_model.matrix(), start.matrix());
+}
+
 TEST(RefinePose, BearsNoise) {
   const BoxScene scene;
   RangeImage image = scene.see();
