@@ -17,6 +17,7 @@
 #include "engine/scene/find_view.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/scans/ground_planes.hpp"
 #include "kernels/scans/merge_pixels.hpp"
 #include "kernels/scans/plane_patches.hpp"
 #include "kernels/scans/plane_samples.hpp"
@@ -173,10 +174,12 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   label_pixels(scene.planes, image);
   scene.patches = kernels::largest_patches(image, scene.planes);
   constexpr std::size_t kMaxWindow = kernels::GridNormalOptions::kMaxWindow;
+  const std::size_t window =
+      2 * clamped_integer(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1;
+  // Sensors that match windows measure wrong depths in patches as large as a window.
+  scene.ground = kernels::find_ground(image, scene.planes, window * window + 1);
   if (options.correlated_noise)
-    scene.sensor.correlated_noise = kernels::measure_correlated_noise(
-        image, scene.planes,
-        2 * clamped_integer(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1);
+    scene.sensor.correlated_noise = kernels::measure_correlated_noise(image, scene.planes, window);
 
   // Planes of the image are in the camera's frame, those of the scene in its own.
   const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();

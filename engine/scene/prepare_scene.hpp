@@ -29,6 +29,7 @@ struct PreparedScene {
   Normals normals;                     ///< toward the sensor or outward; NaN if unknown
   std::vector<kernels::Plane> planes;  ///< large planes, for models of any size
   std::vector<float> patches;          ///< area of the largest connected patch of each
+  std::vector<std::uint8_t> ground;    ///< of each: 1 if nothing is measured behind it
   kernels::SensorModel sensor;         ///< error model of the sensor
   float spacing = 0;                   ///< typical distance between neighboring measurements
   float window = 2;                    ///< half-width of the windows for fitting normals [spacing]
