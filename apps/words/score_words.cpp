@@ -32,9 +32,12 @@ struct Entry {
 
 constexpr std::array<Entry, 17> kEntries{{
     {"violation",
-     {"looked through", "share of what is seen that the sensor looked through"},
+     {"looked through",
+      "share of what is seen that the sensor looked through, or that is behind a table, a floor or "
+      "a wall"},
      [](float v) {
-       return "the sensor looked through " + percent(std::exp(v) - kOffsets.violation) + " of it";
+       return "the sensor looked through " + percent(std::exp(v) - kOffsets.violation) +
+              " of it, or saw a table, a floor or a wall before it";
      }},
     {"background",
      {"background", "share of what is seen that lies on a table, a floor or a wall"},

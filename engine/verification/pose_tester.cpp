@@ -7,6 +7,7 @@
 
 #include "kernels/common/pose_math.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
+#include "kernels/verification/reach_behind.hpp"
 #include "storage/common/clamped_integer.hpp"
 
 namespace trivet::engine {
@@ -77,7 +78,24 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
   strict.tolerance = std::max(options_.verify.tolerance_sigmas * error_at(pose),
                               options_.verify.tolerance_diameters * model_.diameter);
   strict.plane_is_background = background_;
+  strict.bearing_plane = bearing_plane(pose, strict.tolerance);
   return strict;
+}
+
+/// The number of the background plane on which a model at this pose bears while a part of it is
+/// behind; 0: none. A screw's head rests on what its shank is let into. The same force acts on both,
+/// and what the screw is made of is as strong as what it is let into: so the area on which it bears
+/// is at least that of the hole.
+std::uint8_t PoseTester::bearing_plane(const Pose& pose, float tolerance) const {
+  for (std::size_t k = 0; k < background_.size(); ++k) {
+    if (background_[k] == 0) continue;
+    const kernels::Plane& plane = scene_.planes[k];
+    const kernels::PlaneReach reach =
+        kernels::reach_behind(samples_, pose, plane, tolerance + plane.thickness);
+    if (reach.entering > 0 && reach.bearing >= reach.entering)
+      return static_cast<std::uint8_t>(k + 1);
+  }
+  return 0;
 }
 
 kernels::MeasurementErrors PoseTester::errors_of(const Pose& pose) const {

@@ -62,8 +62,11 @@ class Comparer {
     const float tolerance = options_.tolerance;
     const auto [r, pixel] = measure_along(image_, {u, v, pose.z, pose.scale}, tolerance);
     if (pixel < 0) return log_missing();
-    if (options_.is_background(image_.plane[static_cast<std::size_t>(pixel)]))
-      return std::abs(r) <= tolerance ? 0 : std::log(kBehindSurface);
+    const std::uint8_t plane = image_.plane[static_cast<std::size_t>(pixel)];
+    if (options_.is_background(plane)) {
+      const bool contradicts = r > tolerance || (r < -tolerance && options_.is_solid(plane));
+      return contradicts ? std::log(kBehindSurface) : 0;
+    }
     const double share = static_cast<double>(r) / sigma_;
     const double agreement = (1 - blended_) * std::exp(-0.5 * share * share) +
                              blended_ / kBlend * std::exp(-0.5 * share * share / (kBlend * kBlend));

@@ -96,6 +96,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
   rays.scratch.residual.assign(rays.crop.size(), 0);
   const auto square = static_cast<float>(rays.crop.stride * rays.crop.stride);
   const float softness = std::max(1e-6F, kSoftness * rays.options.correlation);
+  const std::uint8_t bearing = rays.options.verify.bearing_plane;
   Matrix6 own = Matrix6::Zero();
   PoseEquations within;  // the rays within the largest tolerance count for `information`
   const double variance = variance_facing(rays);
@@ -123,8 +124,8 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
         rays.record(RayVerdict::unmeasured, hit.place);
         continue;
       }
-      const bool background =
-          rays.options.verify.is_background(rays.image.plane[static_cast<std::size_t>(pixel)]);
+      const std::uint8_t plane = rays.image.plane[static_cast<std::size_t>(pixel)];
+      const bool background = rays.options.verify.is_background(plane);
       Vector6 J;  // of rays that hold the pose
       double weight = 0;
       if (!background && std::abs(r) <= largest_tolerance) {
@@ -139,13 +140,15 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
       }
       if (std::abs(r) > tolerance) {
         if (measured_beside(rays.image, expected, tolerance, rays.options.edge_pixels)) continue;
-        if (r > 0 || background) {  // nothing penetrates a table
+        if (r > 0 || rays.options.verify.is_solid(plane)) {  // nothing penetrates a table
           out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness);
           rays.record(RayVerdict::looked_through, hit.place);
         } else {
           out.occluded += square;
-          if (r > -kShallow * tolerance) out.sunk += square;
-          rays.scratch.state[at] = kHidden;
+          const bool entered =
+              bearing > 0 && rays.image.near_plane[static_cast<std::size_t>(pixel)] == bearing;
+          rays.scratch.state[at] = entered ? kEntered : kHidden;
+          if (!entered && r > -kShallow * tolerance) out.sunk += square;
           rays.scratch.residual[at] = r;
           rays.record(RayVerdict::hidden, hit.place);
         }

@@ -89,7 +89,7 @@ enum class RayVerdict : std::uint8_t {
   looked_through,  ///< something farther, or a background plane that the model would penetrate
   runs_on,         ///< the model ends here, but the measured surface continues
   background,      ///< depth of the model, but on a background plane
-  hidden,          ///< something nearer
+  hidden,          ///< something nearer, or the plane that the model bears on
   unmeasured,      ///< no measurement
 };
 struct JudgedRay {

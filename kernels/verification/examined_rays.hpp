@@ -16,8 +16,9 @@ namespace trivet::kernels {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-/// Verdict of a ray. From kJudged on it hits the model inside the image.
-enum RayState : std::uint8_t { kMissed, kOutside, kHidden, kJudged, kConsistent };
+/// Verdict of a ray. From kJudged on it hits the model inside the image. kEntered: hidden by the
+/// plane that the model bears on.
+enum RayState : std::uint8_t { kMissed, kOutside, kEntered, kHidden, kJudged, kConsistent };
 
 /// A ray, and the direction along the image in which the surface that it hit ends.
 struct RayEnd {

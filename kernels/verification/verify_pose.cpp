@@ -129,13 +129,13 @@ void judge_samples(const RangeImage& image, const SampleBlock& block, const Visi
   const std::span<const std::uint8_t> planes = image.plane;
   for (std::uint32_t k = 0; k < visible.count; ++k) {
     const float r = visible.residual[k];
-    const bool background =
-        options.is_background(planes[static_cast<std::size_t>(visible.pixel[k])]);
+    const std::uint8_t plane = planes[static_cast<std::size_t>(visible.pixel[k])];
+    const bool background = options.is_background(plane), solid = options.is_solid(plane);
     const bool known = r < kUnreached, behind = known & (r > options.tolerance),
                before = r < -options.tolerance, agrees = known & !behind & !before;
     unknown += !known;
-    violation += behind | (before & background);  // nothing penetrates a table
-    occluded += before & !background;
+    violation += behind | (before & solid);  // nothing penetrates a table
+    occluded += before & !solid;
     on_background += agrees & background;
     agreeing[num_agreeing] = k;
     num_agreeing += agrees & !background;

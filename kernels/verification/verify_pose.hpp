@@ -16,10 +16,17 @@ struct VerifyOptions {
   float max_normal_angle_rad = 0.8F;  ///< largest angle between model and scene normals
   /// One per plane number: 1 if the plane is too large to be part of this model.
   std::span<const std::uint8_t> plane_is_background;
+  /// Number of the plane that the model bears on, so that a part of it may be let into a hole
+  /// there; 0: none.
+  std::uint8_t bearing_plane = 0;
 
   /// Whether a pixel's plane number (0: none) belongs to a background plane.
   bool is_background(std::uint8_t plane) const noexcept {
     return plane > 0 && plane <= plane_is_background.size() && plane_is_background[plane - 1] != 0;
+  }
+  /// Whether it belongs to a plane that the model cannot reach behind.
+  bool is_solid(std::uint8_t plane) const noexcept {
+    return is_background(plane) && plane != bearing_plane;
   }
 };
 

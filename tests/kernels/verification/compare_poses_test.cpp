@@ -249,6 +249,13 @@ TEST(ComparePoses, CountsMeasurementsBehindTheModelAndPartsThatReachThroughATabl
   EXPECT_EQ(compare(table, kTruth, away).z, 0);
   table.plane.assign(table.plane.size(), 1);
   EXPECT_LT(compare(table, kTruth, away).z, -PoseComparison::kSignificant);
+
+  // The poses bear on the plane, and may be let into it.
+  VerifyOptions bears = options();
+  bears.bearing_plane = 1;
+  CompareScratch scratch;
+  EXPECT_EQ(
+      compare_poses({&table, 1}, club().at(kTruth), club().at(away), kErrors, bears, scratch).z, 0);
 }
 
 // Halfway between two poses neither is better; noise must not decide.

@@ -155,6 +155,29 @@ TEST(ExaminePose, MeasuresHowFarFromAPlaneTheVisiblePartIs) {
 }
 
 // A pixel attributed to an object may belong to a surface that the object would lie beneath.
+// The wall is a background plane that hides the brick's far end.
+TEST(ExaminePose, LetsOnlyWhatBearsOnAPlaneReachIntoIt) {
+  const Body wall({0.4F, 0.4F, 0.01F});
+  const Pose slanted = test::pose_of({0, 0.35F, 0}, {0, 0, 0.6F});
+  const Pose straight = test::pose_of({0, 0, 0}, {0, 0, 0.63F});
+  RangeImage image = render({{&brick(), straight}, {&wall, slanted}});
+  const RangeImage only_wall = render({{&wall, slanted}});
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel)
+    image.plane[pixel] = image.near_plane[pixel] =
+        image.depth[pixel] == only_wall.depth[pixel] ? 1 : 0;
+  ExamineOptions bears;
+  bears.verify.bearing_plane = 1;
+  const Examination solid = examine(image, brick(), straight);
+  const Examination let_in = examine(image, brick(), straight, {}, nullptr, bears);
+  EXPECT_GT(solid.violation, 100);
+  EXPECT_EQ(solid.occluded, 0);
+  EXPECT_EQ(let_in.violation, 0);
+  EXPECT_GT(let_in.occluded, 100);
+  EXPECT_EQ(let_in.sunk, 0);
+  EXPECT_EQ(let_in.buried, 0);
+  EXPECT_EQ(let_in.consistent, solid.consistent);
+}
+
 TEST(ExaminePose, DistinguishesSunkenFromHiddenParts) {
   const auto behind = [](float depth) {
     const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.6F + depth});

@@ -222,6 +222,24 @@ TEST(VerifyPose, LetsNothingReachThroughABackgroundPlane) {
   EXPECT_EQ(through.violation, in_front.violation + in_front.occluded);
 }
 
+TEST(VerifyPose, LetsWhatBearsOnAPlaneReachThroughIt) {
+  const BallScene scene;
+  const Pose sunk = shifted(scene.truth, {0, 0, 0.35F});
+  const std::array images{test::render(camera(), {wall(3.0, 1)})};
+  VerifyOptions options;
+  options.tolerance = kTolerance;
+  options.plane_is_background = kBackground;
+  const auto verify = [&] {
+    return verify_pose(images, scene.ball.view(), 1 << 20, sunk, options);
+  };
+  const Evidence solid = verify();
+  options.bearing_plane = 1;
+  const Evidence let_in = verify();
+  EXPECT_GT(let_in.occluded, 0U);
+  EXPECT_EQ(let_in.violation + let_in.occluded, solid.violation);
+  EXPECT_EQ(let_in.background, solid.background) << "the plane supports it as little as before";
+}
+
 TEST(VerifyPose, WantsNormalsToAgreeWhereThereAreAny) {
   const BallScene scene;
   std::array images{test::render(camera(), {scene.surface})};
