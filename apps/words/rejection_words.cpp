@@ -18,6 +18,12 @@ std::string joined(std::initializer_list<std::string> texts) {
   return out;
 }
 
+/// "it would be 13 % of its diameter deep in a table, a floor or a wall".
+std::string depth_words(const RejectedPose& rejected) {
+  return fmt::format("it would be {:.0f} % of its diameter deep in a table, a floor or a wall",
+                     100 * rejected.depth_in_ground);
+}
+
 /// "83 % of its pixels are explained by gear"; empty if no detection explains them.
 std::string explanation(const SceneResult& result, const RejectedPose& rejected) {
   if (!rejected.explained_by) return "";
@@ -32,6 +38,8 @@ RejectionWords rejection_words(const SceneResult& result, const RejectedPose& re
   switch (rejected.reason) {
     case Rejection::too_low: {
       const std::string below = fmt::format("below {}", options.min_score);
+      if (rejected.depth_in_ground > 0)
+        return {below, joined({depth_words(rejected), explanation(result, rejected)})};
       if (options.require_pose && rejected.score >= options.min_score)
         return {"this very pose is " + below,
                 joined({"the scan does not distinguish it from others of this place",

@@ -35,6 +35,9 @@ struct FullTest {
   kernels::Examination examination{};
   float largest_tolerance = 0;  ///< of residuals, before the pose's own lowered it [library unit]
   kernels::ScoreParts parts{};
+  /// How deep the model would be in a table, a floor or a wall that has no hole there [library
+  /// unit]; such a pose is refused. 0: not at all.
+  float depth_in_ground = 0;
   kernels::PoseCovariance covariance = kernels::PoseCovariance::Zero();  ///< [library unit, rad]
   kernels::ExplainedPixels explained{};                                  ///< over all images
 };

@@ -78,6 +78,8 @@ RejectedPose report_rejected(const Library& library, const PoseTable& poses, Row
   rejected.T_scene_model = in_file_unit(poses.T_scene_model[row], scene_scale);
   rejected.parts = poses.test(row).parts;
   rejected.reason = rejection_of(poses.fate[row]);
+  rejected.depth_in_ground =
+      poses.test(row).depth_in_ground / library.models[poses.model[row]].diameter;
   rejected.explained_by = index_of(poses.explained_by[row], detections);
   if (rejected.explained_by) rejected.explained_share = poses.explained_share[row];
   return rejected;

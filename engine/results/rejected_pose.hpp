@@ -29,6 +29,9 @@ struct RejectedPose {
   /// max_instances, and for a pose with too low a score at the place of a better one.
   std::optional<std::size_t> explained_by{};
   float explained_share = 0;
+  /// How deep the model would be in a table, a floor or a wall that has no hole there, for which
+  /// its score is 0 [diameters]; 0: not at all.
+  float depth_in_ground = 0;
 };
 
 }  // namespace trivet

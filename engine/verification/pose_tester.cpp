@@ -41,6 +41,8 @@ constexpr float kSharedError = 0.3F;
 constexpr float kApart = 0.5F;
 // Refined poses farther from the proposed one, in diameters, are other poses.
 constexpr float kMostShift = 0.1F, kMostTurnRad = 0.35F;
+// Errors of a pose are smaller in 99.9 % of all cases [standard deviations].
+constexpr float kPoseSigmas = 3;
 // A measurement errs by this share of the tolerance at least.
 constexpr float kLeastError = 0.05F;
 
@@ -94,6 +96,34 @@ std::uint8_t PoseTester::bearing_plane(const Pose& pose, float tolerance) const 
         kernels::reach_behind(samples_, pose, plane, tolerance + plane.thickness);
     if (reach.entering > 0 && reach.bearing >= reach.entering)
       return static_cast<std::uint8_t>(k + 1);
+  }
+  return 0;
+}
+
+/// How deep a tested pose is in a plane of the ground, of which the scan shows all sides; 0: not
+/// deeper than its errors and those of the plane explain, or in a hole, as a screw that bears on
+/// the plane is. Where something lies on the model, or is part of what is there, it may be another
+/// part that is turned over: its mirror image, whose raised parts the hidden ones take for holes.
+float PoseTester::depth_in_ground(const Pose& pose, const FullTest& test) const {
+  const bool is_clear = !(test.examination.overlaid > 0);
+  const kernels::RangeImage& image = scene_.images.front();
+  const std::uint8_t bearing = bearing_plane(pose, test.largest_tolerance);
+  for (std::size_t k = 0; k < background_.size(); ++k) {
+    if (background_[k] == 0 || scene_.ground[k] == 0) continue;
+    if (is_clear && k + 1 == bearing) continue;
+    const kernels::Plane& plane = scene_.planes[k];
+    const float tolerance = test.largest_tolerance + plane.thickness;
+    const kernels::PlaneReach reach = kernels::reach_behind(samples_, pose, plane, tolerance);
+    const Eigen::Vector3f normal = pose.linear().transpose() * plane.normal;
+    Eigen::Matrix<float, 6, 1> J;  // of the deepest place's height for motions of the pose
+    J.head<3>() = normal;
+    J.tail<3>() = (reach.deepest - model_.center).cross(normal);
+    const float sigma = std::sqrt(std::max(0.0F, J.dot(test.covariance * J)));
+    if (!(reach.depth > tolerance + kPoseSigmas * sigma)) continue;
+    const Eigen::Vector3f above = pose * reach.deepest + reach.depth * plane.normal;
+    if (kernels::is_surrounded(image, static_cast<std::uint8_t>(k + 1),
+                               image.geometry.T_camera_scene * above))
+      return reach.depth;
   }
   return 0;
 }
@@ -264,7 +294,8 @@ TestedPose PoseTester::examine_once(const kernels::RayScene& surface,
   // In scans without background nothing beside the object is measured, and small models would fit
   // anywhere. On rendered scenes, 99.4 % of the correct poses pass.
   const bool mostly_unknown = e.unknown > e.consistent;
-  if (!looked_through && !mostly_unknown)
+  test.depth_in_ground = depth_in_ground(pose, test);
+  if (!looked_through && !mostly_unknown && !(test.depth_in_ground > 0))
     tested.score = kernels::pose_probability(score, test.parts);
   return tested;
 }

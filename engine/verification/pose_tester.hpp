@@ -93,6 +93,7 @@ class PoseTester {
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
   std::uint8_t bearing_plane(const Pose& pose, float tolerance) const;
+  float depth_in_ground(const Pose& pose, const FullTest& test) const;
   /// Width of a pixel where the model is [scene unit].
   float pixel_at(const Pose& pose) const;
 

@@ -185,6 +185,35 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
   sums.surfaces.gradient += within.gradient;
 }
 
+/// Count the squares of rays that something hides which is wider than the blur of an outline on
+/// both of its sides: outlines are up to a pixel, and the shift of the scan's, beside their place.
+void find_overlaid(const ExaminedRays& rays, Examination& out) noexcept {
+  const int stride = rays.crop.stride;
+  const int side = 2 + 2 * (rays.options.edge_pixels + 1) / stride;  // rays
+  // A grazing surface is not judged, but what is a step before it hides it, too.
+  const auto hides = [&](int i, int j) {
+    const std::uint8_t state = rays.scratch.state[rays.crop.at(i, j)];
+    if (state != kJudged) return state == kHidden;
+    const std::size_t pixel = rays.pixel_at(rays.crop.u(i), rays.crop.v(j));
+    const float d = rays.image.depth[pixel];
+    return d > 0 && d < rays.depth_at(i, j) - rays.jump &&
+           !rays.options.verify.is_background(rays.image.near_plane[pixel]);
+  };
+  const auto hides_all = [&](int i, int j) {
+    for (int y = j; y < j + side; ++y) {
+      for (int x = i; x < i + side; ++x) {
+        if (!hides(x, y)) return false;
+      }
+    }
+    return true;
+  };
+  for (int j = 0; j + side <= rays.crop.height; ++j) {
+    for (int i = 0; i + side <= rays.crop.width; ++i) {
+      if (hides_all(i, j)) out.overlaid += static_cast<float>(stride * stride);
+    }
+  }
+}
+
 /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
 void sum_up(const ExaminedRays& rays) {
   const std::size_t row = static_cast<std::size_t>(rays.crop.width) + 1;
@@ -301,6 +330,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
     for (const RangeImage& before : images.first(k)) first_pixel += before.depth.size();
     compare(cast, options.verify.tolerance, static_cast<std::uint32_t>(first_pixel), out, sums,
             lists.explained);
+    find_overlaid(cast, out);
     smooth(cast, sums);
     judge_outline(cast, out, sums.outline, lists.equations ? &sums.edges : nullptr);
     if (lists.explained) lists.explained->square = static_cast<std::uint32_t>(cast.crop.stride);

@@ -25,6 +25,7 @@ struct Examination {
   float consistent = 0;  ///< measured depth agrees with the model
   float violation = 0;   ///< the sensor saw through the model, or it cuts into a background plane
   float occluded = 0;    ///< something nearer hides the model
+  float overlaid = 0;    ///< occluded by something wider than outlines are blurred: its squares
   float sunk = 0;        ///< occluded by so little that the occluder may be mistaken for the model
   float unknown = 0;     ///< no measurement
   float background = 0;  ///< agrees only with a background plane

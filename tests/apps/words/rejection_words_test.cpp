@@ -77,6 +77,13 @@ TEST(RejectionWords, EndWithTheModelThatExplainsThePose) {
   }
 }
 
+TEST(RejectionWords, TellTheGroundAloneOfWhatIsInIt) {
+  RejectedPose sunk = rejected_for(Rejection::too_low, 0);
+  sunk.depth_in_ground = 0.134F;
+  EXPECT_EQ(rejection_words(found_gear(), sunk, default_score(), {}).why,
+            "it would be 13 % of its diameter deep in a table, a floor or a wall");
+}
+
 TEST(RejectionWords, StateTheRequestedNumber) {
   RecognizeOptions options;
   options.max_instances = 2;

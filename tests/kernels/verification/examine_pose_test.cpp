@@ -173,9 +173,32 @@ TEST(ExaminePose, LetsOnlyWhatBearsOnAPlaneReachIntoIt) {
   EXPECT_EQ(solid.occluded, 0);
   EXPECT_EQ(let_in.violation, 0);
   EXPECT_GT(let_in.occluded, 100);
+  EXPECT_EQ(let_in.overlaid, 0) << "the plane lies on nothing";
   EXPECT_EQ(let_in.sunk, 0);
   EXPECT_EQ(let_in.buried, 0);
   EXPECT_EQ(let_in.consistent, solid.consistent);
+}
+
+TEST(ExaminePose, TellsWhatLiesOnTheModelFromBlurredOutlines) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto overlaid_by = [&](float half, int edge_pixels) {
+    const Body cover({half, half, 0.01F});
+    ExamineOptions options;
+    options.edge_pixels = edge_pixels;
+    const RangeImage image =
+        render({{&brick(), flat}, {&cover, test::pose_of({0, 0, 0}, {0, 0, 0.5F})}});
+    const Examination e = examine(image, brick(), flat, {}, nullptr, options);
+    EXPECT_GE(e.occluded, e.overlaid);
+    return e.overlaid;
+  };
+  // At a depth of 0.49, pixels are 3.3 mm wide: covers of 18 pixels and of two.
+  const float sharp = overlaid_by(0.03F, 0), blurred = overlaid_by(0.03F, 2);
+  EXPECT_GT(sharp, 100);
+  EXPECT_LT(sharp, 18 * 18);
+  EXPECT_GT(blurred, 0);
+  EXPECT_LT(blurred, sharp);
+  EXPECT_EQ(overlaid_by(0.03F, 8), 0) << "no wider than 2 x 9 pixels";
+  EXPECT_EQ(overlaid_by(0.003F, 0), 0);
 }
 
 TEST(ExaminePose, DistinguishesSunkenFromHiddenParts) {
