@@ -48,8 +48,12 @@ struct Nearby {
   std::optional<Row> given_up{};  // pose with the latest stage among those not tested in full
 };
 
+/// Of refused poses, whose scores are 0, the one that agrees most is the likeliest answer.
 void keep_better(const PoseTable& table, Row row, std::optional<Row>& best) {
-  if (!best || table.score[row] > table.score[*best]) best = row;
+  const auto merit = [&](Row tested) {
+    return std::tuple(table.score[tested], table.test(tested).examination.consistent);
+  };
+  if (!best || merit(row) > merit(*best)) best = row;
 }
 
 /// Sort key of poses that went no further than the same stage.
