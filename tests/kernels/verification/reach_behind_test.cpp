@@ -37,6 +37,8 @@ TEST(ReachBehind, MeasuresTheShankAndTheHeadOfAScrew) {
               circle = std::numbers::pi_v<float> * 1e-4F;
   EXPECT_NEAR(reach.entering * square, circle, 0.1F * circle);
   EXPECT_NEAR(reach.bearing * square, 3 * circle, 0.1F * circle) << "the shank's top is no surface";
+  const Pose lifted = test::pose_of({0, 0, 0}, {0, 0, 0.5F * kOnPlane});
+  EXPECT_EQ(reach_behind(sampled.view(), lifted, kSlab, kOnPlane).bearing, reach.bearing);
   // A screw whose head is above the plane bears on nothing.
   const Pose raised = test::pose_of({0, 0, 0}, {0, 0, 0.01F});
   EXPECT_EQ(reach_behind(sampled.view(), raised, kSlab, kOnPlane).bearing, 0);
@@ -96,6 +98,8 @@ TEST(IsSurrounded, NeedsThePlaneOnBothSidesAlongEachLine) {
   // Beyond the edge of a table, and in a gap between two.
   show([](int u, int) { return u < 10; });
   EXPECT_FALSE(surrounded(20, 15));
+  show([](int u, int v) { return 2 * u + 5 * v < 70; });
+  EXPECT_FALSE(surrounded(12, 12)) << "the edge is aslant: each line meets the table on one side";
   show([](int u, int) { return u < 10 || u > 30; });
   EXPECT_FALSE(surrounded(20, 15));
 }
