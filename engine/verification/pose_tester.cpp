@@ -85,9 +85,9 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
 }
 
 /// The number of the background plane on which a model at this pose bears while a part of it is
-/// behind; 0: none. A screw's head rests on what its shank is let into. The same force acts on both,
-/// and what the screw is made of is as strong as what it is let into: so the area on which it bears
-/// is at least that of the hole.
+/// behind; 0: none. A screw's head rests on what its shank is let into. The same force acts on head
+/// and shank, and what the screw is let into is no stronger than the screw: so the area on which it
+/// bears is at least that of the hole.
 std::uint8_t PoseTester::bearing_plane(const Pose& pose, float tolerance) const {
   for (std::size_t k = 0; k < background_.size(); ++k) {
     if (background_[k] == 0) continue;
