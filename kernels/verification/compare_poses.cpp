@@ -49,6 +49,14 @@ class Comparer {
     return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
   }
 
+  /// Whether a measurement lies at or behind the nearer surface, so that it tells of both.
+  bool is_measured(const Rendered& a, const Rendered& b, int u, int v) const noexcept {
+    const Rendered& nearer = !b.meets || (a.meets && a.z < b.z) ? a : b;
+    const auto [r, pixel] =
+        measure_along(image_, {u, v, nearer.z, nearer.scale}, options_.tolerance);
+    return pixel >= 0 && r >= -options_.tolerance;
+  }
+
   /// Count a ray for the shares of missing measurements.
   void count(const Rendered& a, const Rendered& b, int u, int v) noexcept {
     if (a.meets != b.meets) return;
@@ -154,6 +162,7 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
     for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t block) {
       if (!comparer.differ(a, b)) return;
       out.num_votes += share;
+      out.num_measured += comparer.is_measured(a, b, u, v) ? 1 : 0;
       scratch.votes[block] +=
           share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
     });

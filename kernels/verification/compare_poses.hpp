@@ -2,6 +2,7 @@
 /// or models at one place.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -22,6 +23,8 @@ struct PoseComparison {
   double log_ratio = 0;  ///< log likelihood ratio of the votes; above 0: the first pose is better
   double num_votes = 0;  ///< blocks of pixels in which the poses differ
   double z = 0;  ///< log_ratio in standard deviations; roughly at most sqrt(num_votes) in magnitude
+  /// Rays in which the poses differ and something is measured, at or behind the nearer of them.
+  std::size_t num_measured = 0;
 
   bool significant() const noexcept { return z > kSignificant || z < -kSignificant; }
 };

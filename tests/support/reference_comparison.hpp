@@ -19,6 +19,7 @@ namespace trivet::reference {
 
 struct Comparison {
   double log_ratio = 0, num_votes = 0, z = 0;
+  int num_measured = 0;
 };
 
 /// compare_poses as documented, for one image whose plane 1 is background, and a crop with one ray
@@ -108,6 +109,8 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     if ((a && a->scale == 0) || (b && b->scale == 0)) return;
     if (a && b && std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2) return;
     out.num_votes += 1.0 / 9;
+    const double r = measured(!b || (a && a->z < b->z) ? *a : *b, u, v).residual;
+    out.num_measured += std::isfinite(r) && r >= -tolerance ? 1 : 0;
     votes[{(u - crop.u0) / 3, (v - crop.v0) / 3}] +=
         std::log(likelihood(a, u, v, missing) / likelihood(b, u, v, missing)) / 9;
   });

@@ -87,6 +87,15 @@ TEST(ComparePoses, FindsNoDifferenceOfAPoseFromItself) {
   EXPECT_FALSE(c.significant());
 }
 
+TEST(ComparePoses, CountsNoRayWhoseMeasurementHidesBothPoses) {
+  RangeImage image = render({kTruth});
+  EXPECT_GT(compare(image, kTruth, kFlipped).num_measured, 50U);
+  image.depth.assign(image.depth.size(), 0.3F);
+  EXPECT_EQ(compare(image, kTruth, kFlipped).num_measured, 0U) << "something is in front";
+  image.depth.assign(image.depth.size(), 0);
+  EXPECT_EQ(compare(image, kTruth, kFlipped).num_measured, 0U) << "nothing is measured";
+}
+
 /// A random pair of poses and a depth image: clubs, noise, holes, a labeled plane.
 struct Case {
   RangeImage image;
@@ -122,6 +131,7 @@ TEST(ComparePoses, IsExactlyTheNegativeOfTheOtherOrder) {
     EXPECT_EQ(ab.log_ratio, -ba.log_ratio);
     EXPECT_EQ(ab.z, -ba.z);
     EXPECT_EQ(ab.num_votes, ba.num_votes);
+    EXPECT_EQ(ab.num_measured, ba.num_measured);
   }
 }
 
@@ -145,6 +155,7 @@ TEST(ComparePoses, AgreesWithANaiveReference) {
         static_cast<double>(kTolerance), crop);
     // Rounding decides a few rays at most.
     EXPECT_NEAR(found.num_votes, naive.num_votes, 0.5);
+    EXPECT_NEAR(static_cast<double>(found.num_measured), naive.num_measured, 5);
     EXPECT_NEAR(found.log_ratio, naive.log_ratio, 1.5);
     EXPECT_NEAR(found.z, naive.z, 0.3);
     informative += std::abs(naive.z) > 2;
