@@ -137,14 +137,17 @@ std::string table(std::string_view title, std::string_view head, const std::stri
       title, head, rows);
 }
 
-/// Alternatives that the scan does not distinguish from a detection: "2 other poses; can_1".
+/// Alternatives that the scan does not distinguish from a detection: "2 other poses; can_1 38 %".
 std::string other_than(const Detection& detection) {
   std::string out;
   if (!detection.alternatives.empty())
     out = counted(detection.alternatives.size(), "other pose", "other poses");
   if (detection.is_uncertain) out += (out.empty() ? "" : "; ") + std::string("a place beside it");
-  for (const std::string& sibling : detection.siblings)
-    out += (out.empty() ? "" : "; ") + escape_html(sibling);
+  for (std::size_t k = 1; k < detection.candidates.size(); ++k) {
+    const Candidate& candidate = detection.candidates[k];
+    out +=
+        (out.empty() ? "" : "; ") + escape_html(candidate.model) + " " + percent(candidate.share);
+  }
   return out;
 }
 

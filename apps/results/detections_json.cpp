@@ -95,6 +95,31 @@ nlohmann::ordered_json explanation_json(const SceneResult& result, const kernels
           {"models", std::move(models)}};
 }
 
+nlohmann::ordered_json difference_json(const CandidateDifference& differs,
+                                       const Eigen::Vector3d& offset) {
+  const Eigen::Vector3d center = differs.center.cast<double>() + offset;
+  const Eigen::Vector3f& from = differs.look_from;
+  return {{"center", {center.x(), center.y(), center.z()}},
+          {"size", differs.size},
+          {"deviation", differs.deviation},
+          {"look_from", {from.x(), from.y(), from.z()}}};
+}
+
+nlohmann::ordered_json candidates_json(const Detection& detection, const Eigen::Vector3d& offset) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Candidate& candidate : detection.candidates) {
+    nlohmann::ordered_json one{{"model", candidate.model}, {"share", candidate.share}};
+    if (candidate.differs) {
+      one["T_scene_model"] = matrix_json(in_file_frame(candidate.T_scene_model, offset));
+      one["log_odds"] = candidate.log_odds;
+      one["rays"] = candidate.rays;
+      one["differs"] = difference_json(*candidate.differs, offset);
+    }
+    json.push_back(std::move(one));
+  }
+  return json;
+}
+
 nlohmann::ordered_json alternatives_json(const std::vector<Pose>& alternatives,
                                          const Eigen::Vector3d& offset) {
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
@@ -155,6 +180,16 @@ nlohmann::ordered_json view_json(const std::optional<SceneView>& view) {
           {"words", words ? nlohmann::ordered_json(*words) : nullptr}};
 }
 
+/// A candidate without a pose of its own has that of the detection.
+Candidate parse_candidate(const JsonNode& node, const Detection& detection,
+                          const Eigen::Vector3d& offset) {
+  return {.model = node.at("model").string(),
+          .share = static_cast<float>(node.at("share").number()),
+          .T_scene_model = node.has("T_scene_model")
+                               ? in_cloud_frame(node.at("T_scene_model").file_pose(), offset)
+                               : detection.T_scene_model};
+}
+
 /// offset  of the cloud with the detection
 Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
   const auto number = [&](std::string_view key) {
@@ -171,6 +206,10 @@ Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
                       {},
                       {}};
   if (node.has("pose_share")) detection.pose_share = number("pose_share");
+  if (node.has("candidates")) {
+    for (const JsonNode& candidate : node.at("candidates").elements())
+      detection.candidates.push_back(parse_candidate(candidate, detection, offset));
+  }
   return detection;
 }
 
@@ -278,7 +317,8 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
          {"pose_sigma", sigma_json(detection.covariance)},
          {"turns", turns_json(detection.turns)},
          {"alternatives", alternatives_json(detection.alternatives, result.offset)},
-         {"siblings", detection.siblings},
+         {"identity", detection.identity()},
+         {"candidates", candidates_json(detection, result.offset)},
          {"method", name_of(detection.source)},
          {"words", cost_words(detection, score)}});
   }

@@ -6,6 +6,7 @@
 
 #include "apps/inputs/inputs.hpp"
 #include "apps/words/camera_words.hpp"
+#include "apps/words/candidate_words.hpp"
 #include "apps/words/place_text.hpp"
 #include "apps/words/score_words.hpp"
 #include "apps/words/view_words.hpp"
@@ -49,11 +50,19 @@ Advice view_advice(const SceneInput& scene) {
           "Is the viewpoint right? What the sensor saw through speaks against a model."};
 }
 
+/// A line, and one for each further candidate.
 std::string detection_text(const Detection& detection, const Eigen::Vector3d& offset,
                            const char* unit) {
-  return fmt::format("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g} {}  at ({}) {}\n",
-                     detection.model, detection.score, detection.visible_fraction, detection.rmse,
-                     unit, place_text(detection, offset), unit);
+  std::string text =
+      fmt::format("  {:<24} score {:.3f}  visible {:.2f}  rmse {:.3g} {}  at ({}) {}\n",
+                  detection.model, detection.score, detection.visible_fraction, detection.rmse,
+                  unit, place_text(detection, offset), unit);
+  if (detection.candidates.size() < 2) return text;
+  text += fmt::format("    one of {}: {}\n", detection.candidates.size(),
+                      candidate_words(detection.candidates.front(), offset, unit));
+  for (std::size_t k = 1; k < detection.candidates.size(); ++k)
+    text += fmt::format("    or {}\n", candidate_words(detection.candidates[k], offset, unit));
+  return text;
 }
 
 }  // namespace

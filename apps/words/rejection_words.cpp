@@ -40,6 +40,10 @@ RejectionWords rejection_words(const SceneResult& result, const RejectedPose& re
       const std::string below = fmt::format("below {}", options.min_score);
       if (rejected.depth_in_ground > 0)
         return {below, joined({depth_words(rejected), explanation(result, rejected)})};
+      if (options.require_identity && !options.require_pose && rejected.score >= options.min_score)
+        return {"this very model is " + below,
+                joined({"the scan does not distinguish it from others of this place",
+                        explanation(result, rejected)})};
       if (options.require_pose && rejected.score >= options.min_score)
         return {"this very pose is " + below,
                 joined({"the scan does not distinguish it from others of this place",

@@ -12,7 +12,7 @@ namespace trivet::apps {
 namespace {
 
 bool is_reported(const Detection& detection, const RecognizeOptions& options) {
-  return (options.require_pose ? detection.pose_score() : detection.score) >= options.min_score;
+  return detection.asked_score(options.require_pose, options.require_identity) >= options.min_score;
 }
 
 RejectedPose rejected_of(const Detection& detection) {

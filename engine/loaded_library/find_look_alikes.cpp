@@ -1,6 +1,7 @@
 #include "engine/loaded_library/find_look_alikes.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -31,6 +32,13 @@ std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> fra
 
 }  // namespace
 
+Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model) {
+  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
+  const ModelInfo& info = library.models[model];
+  return kernels::ModelSamples{own->samples,        own->sample_normals, own->sample_views,
+                               info.sample_spacing, info.diameter,       info.center};
+}
+
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
   std::vector<std::uint32_t> all(library.models.size());
   std::iota(all.begin(), all.end(), 0U);
@@ -60,6 +68,27 @@ Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
   std::vector<LookAlike> look_alikes;
   for (const auto& [distance, look_alike] : found) look_alikes.push_back(look_alike);
   return look_alikes;
+}
+
+Result<std::vector<NearCopy>> find_near_copies(const Library& library,
+                                               std::span<const LookAlike> look_alikes,
+                                               std::uint32_t model) {
+  TRIVET_TRY_ASSIGN(const kernels::ModelSamples own, kernel_samples(library, model));
+  std::vector<kernels::ModelSamples> others;
+  for (const LookAlike& like : look_alikes) {
+    TRIVET_TRY_ASSIGN(const kernels::ModelSamples other, kernel_samples(library, like.model));
+    others.push_back(other);
+  }
+  std::vector<NearCopy> copies(look_alikes.size());
+  for_each_index(look_alikes.size(), [&](std::size_t k) {
+    const LookAlike& like = look_alikes[k];
+    const kernels::RefinedAlignment found = kernels::refine_alignment(
+        own, others[k], coinciding_distance(own.diameter), like.T_model_other);
+    copies[k] = {like.model, found.T_this_other, found.agreeing};
+  });
+  std::erase_if(copies, [](const NearCopy& copy) { return copy.agreeing < kCoinciding; });
+  std::ranges::stable_sort(copies, std::ranges::greater(), &NearCopy::agreeing);
+  return copies;
 }
 
 }  // namespace trivet::engine

@@ -15,17 +15,21 @@ namespace {
 constexpr std::size_t kSurfaceShare = 4;  // ray-tracing trees may use a fourth of the memory
 
 using LookAlikes = engine::MadeOnce<Result<std::vector<engine::LookAlike>>>;
+using NearCopies = engine::MadeOnce<Result<std::vector<engine::NearCopy>>>;
 
 }  // namespace
 
 struct Recognizer::Parts {
   Parts(std::size_t num_models, const MemoryBound& memory)
-      : surfaces(memory.bytes / kSurfaceShare), look_alikes(new LookAlikes[num_models]) {}
+      : surfaces(memory.bytes / kSurfaceShare),
+        look_alikes(new LookAlikes[num_models]),
+        near_copies(new NearCopies[num_models]) {}
 
   engine::SurfaceCache surfaces;
   engine::MadeOnce<Result<FeatureLevels>> index;
   engine::MadeOnce<Result<std::vector<kernels::ShapeFrame>>> frames;
   std::unique_ptr<LookAlikes[]> look_alikes;
+  std::unique_ptr<NearCopies[]> near_copies;
 };
 
 Recognizer::Recognizer(Library library, const kernels::ScoreModel& score, const MemoryBound& memory)
@@ -72,6 +76,15 @@ Result<const std::vector<engine::LookAlike>*> Recognizer::look_alikes(std::uint3
   if (!frames) return frames.error();
   const Result<std::vector<engine::LookAlike>>& found = parts_->look_alikes[model].get(
       [&] { return engine::find_look_alikes(library_, *frames, model); });
+  if (!found) return found.error();
+  return &*found;
+}
+
+Result<const std::vector<engine::NearCopy>*> Recognizer::near_copies(std::uint32_t model) const {
+  const Result<const std::vector<engine::LookAlike>*> alike = look_alikes(model);
+  if (!alike) return alike.error();
+  const Result<std::vector<engine::NearCopy>>& found = parts_->near_copies[model].get(
+      [&] { return engine::find_near_copies(library_, **alike, model); });
   if (!found) return found.error();
   return &*found;
 }

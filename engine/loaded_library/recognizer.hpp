@@ -15,6 +15,7 @@ namespace trivet {
 
 namespace engine {
 struct LookAlike;
+struct NearCopy;
 }  // namespace engine
 
 /// Maximum memory of a library. The memory in use for a scene may exceed it; released data is read
@@ -46,6 +47,9 @@ class Recognizer {
   Result<const FeatureLevels*> features() const;
   /// Models that look like this one, determined on first use. Errors: bad_data.
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;
+  /// Look-alikes most of whose surfaces coincide with this one's, determined on first use. Errors:
+  /// bad_data.
+  Result<const std::vector<engine::NearCopy>*> near_copies(std::uint32_t model) const;
   /// Release pages of the mapped file beyond the bound, between scenes and between levels of the
   /// index.
   void release_memory() const;

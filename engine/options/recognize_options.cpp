@@ -155,6 +155,12 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .label = "least score held against the very pose",
            .help = "Report only detections whose very pose, not only the object, has the least "
                    "score"}),
+      declare<TRIVET_FIELD(require_identity)>(
+          {.name = "require-identity",
+           .group = kAnswers,
+           .label = "least score held against the model named first",
+           .help = "Report only detections whose first candidate, not only any of them, has the "
+                   "least score"}),
       declare<TRIVET_FIELD(max_sigma)>(
           {.name = "max-sigma",
            .group = kAnswers,

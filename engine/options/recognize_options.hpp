@@ -139,6 +139,8 @@ struct RecognizeOptions {
   PlaceQuestion explain{};  ///< answered in SceneResult::explanation
   /// Require that the probability of this exact pose, score * pose_share, is at least min_score.
   bool require_pose = false;
+  /// Require that the probability of the model named first, score * identity, is at least min_score.
+  bool require_identity = false;
   /// Largest standard deviation of a position, in its least certain direction; less certain
   /// detections are ambiguous [scene file's unit]. Absent: any.
   std::optional<float> max_sigma{};

@@ -49,14 +49,31 @@ struct TestedPose {
   FullTest test{};
 };
 
+/// A model that may be what lies at a place.
+struct PosedCandidate {
+  std::uint32_t model = 0;  ///< index in the library
+  float share = 1;          ///< probability that it is this one, if it is one of the candidates
+  float score = 0;          ///< its own, as tested
+  Pose T_scene_model = Pose::Identity();
+  /// As it was compared with the first candidate: its model in that one's frame.
+  Pose T_first_model = Pose::Identity();
+  double log_odds = 0;           ///< that it is here rather than the first candidate, <= 0
+  std::size_t num_measured = 0;  ///< rays that tell it from the first candidate
+};
+
 /// Hypotheses that the scan cannot distinguish from a pose.
 struct Ambiguity {
   std::vector<Pose> alternatives;
   /// Share of the score of this exact pose; its alternatives share the rest, 0..1.
   float pose_share = 1;
-  std::vector<std::uint32_t> siblings;  ///< models that the object may also be
+  /// Models that the object may be by falling share, the pose's own first; empty if poses were not
+  /// compared.
+  std::vector<PosedCandidate> candidates;
   /// Turns about the model's axis of near symmetry, if several are equally likely.
   std::optional<TurnExtent> turns;
+
+  /// Share of the pose's own model.
+  float identity() const noexcept { return candidates.empty() ? 1 : candidates.front().share; }
 };
 
 /// A pose after comparison with all hypotheses that look like it.

@@ -7,6 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include "engine/common/parallel.hpp"
+#include "engine/loaded_library/find_look_alikes.hpp"
+#include "kernels/symmetry/find_difference.hpp"
+
 namespace trivet::engine {
 namespace {
 
@@ -19,6 +23,44 @@ kernels::SensorModel in_file_unit(kernels::SensorModel sensor, double scene_scal
   for (float* const length : {&sensor.range, &sensor.noise, &sensor.correlated_noise.height})
     *length /= static_cast<float>(scene_scale);
   return sensor;
+}
+
+/// What tells a candidate from the first one, whose pose is that of the detection; none if a
+/// model has no samples, or they are damaged.
+std::optional<CandidateDifference> report_difference(const Library& library,
+                                                     const PosedCandidate& first,
+                                                     const PosedCandidate& candidate,
+                                                     double scene_scale) {
+  const auto samples = kernel_samples(library, first.model),
+             others = kernel_samples(library, candidate.model);
+  if (!samples || !others || samples->points.size() == 0 || others->points.size() == 0)
+    return std::nullopt;
+  const auto [deviation, center, size, look_from] =
+      kernels::find_difference(*samples, *others, candidate.T_first_model);
+  const auto scale = static_cast<float>(scene_scale);
+  return CandidateDifference{first.T_scene_model * center / scale, size / scale, deviation / scale,
+                             first.T_scene_model.linear() * look_from};
+}
+
+std::vector<Candidate> report_candidates(const Library& library, const PoseTable& poses, Row row,
+                                         double scene_scale) {
+  const std::vector<PosedCandidate>& posed = poses.ambiguity(row).candidates;
+  std::vector<Candidate> candidates;
+  for (const PosedCandidate& candidate : posed) {
+    Candidate& out = candidates.emplace_back();
+    out.model = library.models[candidate.model].name;
+    out.share = candidate.share;
+    out.T_scene_model = in_file_unit(candidate.T_scene_model, scene_scale);
+    if (&candidate == &posed.front()) continue;
+    out.log_odds = candidate.log_odds;
+    out.rays = candidate.num_measured;
+    out.differs = report_difference(library, posed.front(), candidate, scene_scale);
+  }
+  if (candidates.empty()) {
+    candidates.push_back({.model = library.models[poses.model[row]].name,
+                          .T_scene_model = in_file_unit(poses.T_scene_model[row], scene_scale)});
+  }
+  return candidates;
 }
 
 Detection report_detection(const Library& library, const PoseTable& poses, Row row,
@@ -47,8 +89,7 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
   detection.covariance.leftCols<3>() /= static_cast<float>(scene_scale);
   for (const Pose& alternative : ambiguity.alternatives)
     detection.alternatives.push_back(in_file_unit(alternative, scene_scale));
-  for (const std::uint32_t sibling : ambiguity.siblings)
-    detection.siblings.push_back(library.models[sibling].name);
+  detection.candidates = report_candidates(library, poses, row, scene_scale);
   detection.pose_share = ambiguity.pose_share;
   detection.turns = ambiguity.turns;
   if (detection.turns) detection.turns->axis.point /= static_cast<float>(scene_scale);
@@ -108,8 +149,10 @@ SceneResult report(const Library& library, const PreparedScene& scene, const Sea
   SceneResult result;
   const PoseTable& poses = found.poses;
   const std::vector<Row> detections = by_falling(poses.score, found.detections);
-  for (const Row row : detections)
-    result.detections.push_back(report_detection(library, poses, row, scene.scale));
+  result.detections.resize(detections.size());
+  for_each_index(detections.size(), [&](std::size_t k) {
+    result.detections[k] = report_detection(library, poses, detections[k], scene.scale);
+  });
   for (const Row row : found.rejected)
     result.rejected.push_back(report_rejected(library, poses, row, detections, scene.scale));
   if (found.explained) {

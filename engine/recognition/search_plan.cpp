@@ -138,7 +138,6 @@ void plan_rounds(const RecognizeOptions& options, const Library& library, Search
   plan.limits.refined = work.refined;
   plan.limits.examined = work.examined;
   if (num_models < 2) plan.limits.climbs = 0;  // nothing to climb to
-  plan.decide.among = votes_reach_all ? Among::few_models : Among::many_models;
   plan.decide.votes_first = votes_reach_all && options.method == Method::fused;
   const bool by_votes = options.method != Method::trisi, by_matches = options.method != Method::ppf;
   for (std::uint32_t round = 0; round < options.pose.rounds; ++round) {
@@ -186,7 +185,8 @@ Result<SearchPlan> plan_search(const RecognizeOptions& asked, const Library& lib
                             .by_pixels = has(Improvement::explained)},
                  .test = plan.verification.test,
                  .alternatives = has(Improvement::alternatives),
-                 .require_pose = options.require_pose};
+                 .require_pose = options.require_pose,
+                 .require_identity = options.require_identity};
   plan.max_rejected = options.max_rejected;
   plan.question = options.explain;
   plan_rounds(options, library, plan);

@@ -14,9 +14,12 @@
 #include "engine/hypotheses/propose_by_votes.hpp"
 #include "engine/hypotheses/propose_expected.hpp"
 #include "engine/loaded_library/find_look_alikes.hpp"
+#include "engine/poses/placement.hpp"
 #include "engine/results/stage_times.hpp"
+#include "engine/selection/compare_rivals.hpp"
 #include "engine/selection/decide_detections.hpp"
 #include "engine/selection/select_poses.hpp"
+#include "engine/selection/settle_alternatives.hpp"
 #include "engine/verification/choose_rows.hpp"
 #include "engine/verification/verify_poses.hpp"
 
@@ -56,6 +59,11 @@ class SceneSearch {
   /// Test look-alikes of the chosen poses at their places.
   Result<void> test_look_alikes();
   Result<std::vector<std::vector<Row>>> suggest_look_alikes(std::span<const Row> rows);
+  /// Move the chosen poses of models with near copies to their best alternatives, since a turned pose
+  /// is no place to compare shapes, and test the near copies there, unless a pose of theirs that
+  /// would be compared with the chosen one was tested.
+  Result<void> test_near_copies();
+  bool is_tested(std::uint32_t model, const Pose& pose, float least_score) const;
   Result<void> examine(std::span<const Row> rows);
   void refine(std::span<const Row> rows);
   std::vector<Row> choose_to_examine(std::span<const Row> rows);
@@ -232,6 +240,57 @@ Result<std::vector<std::vector<Row>>> SceneSearch::suggest_look_alikes(std::span
   return lists;
 }
 
+Result<void> SceneSearch::test_near_copies() {
+  if (plan_.limits.climbs == 0 || !plan_.decide.alternatives) return {};
+  std::vector<Row> chosen;
+  for (const Row row : selection_.chosen) {
+    if (table_.score[row] > kClimbsFrom) chosen.push_back(row);
+  }
+  std::vector<std::vector<NearCopy>> copies(chosen.size());
+  std::vector<Result<TestedPose>> best(chosen.size(), TestedPose{});
+  const TestedPoses poses{library_, scene_, table_, tested_};
+  for_each_index(chosen.size(), [&](std::size_t k) {
+    const auto found = recognizer_.near_copies(table_.model[chosen[k]]);
+    if (!found) {
+      best[k] = found.error();
+      return;
+    }
+    std::ranges::copy_if(**found, std::back_inserter(copies[k]), [&](const NearCopy& copy) {
+      return std::ranges::binary_search(plan_.models, copy.model);
+    });
+    if (!copies[k].empty())
+      best[k] = find_best_alternative(recognizer_, poses, plan_.decide.test, chosen[k]);
+  });
+  std::vector<std::uint32_t> models;
+  std::vector<Row> added;
+  for (std::size_t k = 0; k < chosen.size(); ++k) {
+    if (!best[k]) return best[k].error();
+    if (copies[k].empty()) continue;
+    const float least = kRivalScore * best[k]->score;
+    table_.set_tested(chosen[k], *std::move(best[k]));
+    std::size_t num_added = 0;
+    for (const NearCopy& copy : copies[k]) {
+      const Pose pose = table_.T_scene_model[chosen[k]] * copy.T_model_other;
+      if (num_added == plan_.limits.look_alikes) break;
+      if (is_tested(copy.model, pose, least)) continue;
+      models.push_back(copy.model);
+      added.push_back(table_.add(copy.model, table_.source[chosen[k]], pose));
+      ++num_added;
+    }
+  }
+  if (added.empty()) return {};
+  TRIVET_TRY(verifier_.prepare(models));
+  return examine(added);
+}
+
+/// Whether a pose of a model at this placement was tested and has a score.
+bool SceneSearch::is_tested(std::uint32_t model, const Pose& pose, float least_score) const {
+  return std::ranges::any_of(tested_, [&](Row row) {
+    return table_.model[row] == model && table_.score[row] >= least_score &&
+           same_placement(library_.models[model], table_.T_scene_model[row], pose);
+  });
+}
+
 void SceneSearch::refine(std::span<const Row> rows) {
   verifier_.refine(table_, rows);
   stats_.num_refined += rows.size();
@@ -258,6 +317,7 @@ Result<void> SceneSearch::examine(std::span<const Row> rows) {
 
 Result<SearchResult> SceneSearch::conclude() && {
   SearchResult result;
+  TRIVET_TRY(test_near_copies());
   {
     const StageTimer timer(stats_.times, "alternatives");
     Result<std::vector<Row>> detections =

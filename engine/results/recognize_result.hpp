@@ -27,11 +27,36 @@ struct TurnExtent {
   float low = 0, high = 0;
 };
 
+/// What tells a candidate from the first one, with the first one in the pose of the detection.
+struct CandidateDifference {
+  Eigen::Vector3f center{0, 0,
+                         0};  ///< of the region where the surfaces differ, in the scene's frame
+  float size = 0;             ///< diameter of that region, in the scene file's unit
+  float deviation = 0;        ///< largest distance of the surfaces there, in the same unit
+  /// Unit vector from the region towards where most of it would be seen from, in the scene's frame.
+  Eigen::Vector3f look_from{0, 0, 0};
+};
+
+/// A model that may be what was detected.
+struct Candidate {
+  std::string model;
+  /// Probability that it is this model, if it is any of the candidates, 0..1. All sum up to 1.
+  float share = 1;
+  /// Log odds that it is this model rather than the first candidate, by the pixels where they
+  /// differ, <= 0.
+  double log_odds = 0;
+  /// Rays that measure where they differ: both predict different depths, and something was measured
+  /// that hides neither.
+  std::size_t rays = 0;
+  Pose T_scene_model = Pose::Identity();  ///< its own pose at this place, in the cloud's frame
+  std::optional<CandidateDifference> differs{};  ///< absent for the first candidate
+};
+
 /// A detected object.
 struct Detection {
-  std::string model;
-  /// Probability that the object is here, in this pose or in one that the scan cannot distinguish
-  /// from it, 0..1.
+  std::string model;  ///< the likeliest of the candidates
+  /// Probability that the object, which is one of the candidates, is here, in this pose or in one
+  /// that the scan cannot distinguish from it, 0..1.
   float score = 0;
   Pose T_scene_model;  ///< maps model points to points of the cloud, in the scene file's unit
   /// Share of the model's whole silhouette where the measurements agree with it.
@@ -48,8 +73,9 @@ struct Detection {
   kernels::PoseCovariance covariance = kernels::PoseCovariance::Zero();
   /// Other poses of the model at this place that the scan cannot distinguish from this one.
   std::vector<Pose> alternatives{};
-  std::vector<std::string> siblings{};  ///< other models that explain the visible surface as well
-  Source source = Source::ppf;          ///< source that proposed the pose
+  /// Models that the object may be by falling share, its own first; empty if unknown.
+  std::vector<Candidate> candidates{};
+  Source source = Source::ppf;        ///< source that proposed the pose
   float pose_share = 1;               ///< share of the score that belongs to this exact pose, 0..1
   std::optional<TurnExtent> turns{};  ///< indistinguishable turns about an axis of near symmetry
   float hidden_fraction = 0;   ///< share of the whole silhouette occluded by something nearer
@@ -59,8 +85,14 @@ struct Detection {
 
   /// Whether the object may as well be in another pose.
   bool is_ambiguous() const noexcept { return !alternatives.empty() || is_uncertain; }
+  /// Probability that the object is of this model, if it is here.
+  float identity() const noexcept { return candidates.empty() ? 1 : candidates.front().share; }
   /// Probability that the object is here in this exact pose.
   float pose_score() const noexcept { return score * pose_share; }
+  /// What min_score is held against, by require_pose and require_identity (RecognizeOptions).
+  float asked_score(bool require_pose, bool require_identity) const noexcept {
+    return score * (require_pose ? pose_share : 1) * (require_identity ? identity() : 1);
+  }
 };
 
 /// Properties of the scene and cost of recognizing it.

@@ -24,44 +24,77 @@ struct Decided {
   bool is_detection = false;
 };
 
-/// Settle the poses of rows in parallel.
-///
-/// others  null if poses are not compared
-Result<std::vector<SettledPose>> settle(const Recognizer& recognizer, const TestedPoses& poses,
-                                        std::span<const Row> rows, const DecideOptions& options,
-                                        const std::optional<OtherAnswers>& others) {
-  const PoseTable& table = poses.table;
-  std::vector<SettledPose> settled(rows.size());
-  std::vector<Result<void>> results(rows.size());
-  for_each_index(rows.size(), [&](std::size_t k) {
-    const Row row = rows[k];
-    if (!others) {
-      settled[k].pose = {table.T_scene_model[row], table.score[row], table.test(row)};
-      return;
+/// Settles the poses that claim the places of chosen ones.
+class Settler {
+ public:
+  /// Keeps references to all arguments; `others` is null if poses are not compared.
+  Settler(const Recognizer& recognizer, const TestedPoses& poses, const DecideOptions& options,
+          const OtherAnswers* others)
+      : recognizer_(recognizer), poses_(poses), options_(options), others_(others) {}
+
+  /// Settle the pose of a row. If a hidden pose of another model explains the differing pixels
+  /// better than the settled one, it is settled in its place, and so on.
+  Result<Decided> settled(Row row, std::span<const Refusal> refused) const {
+    const PoseTable& table = poses_.table;
+    if (!others_) {
+      return lowered({row, {{table.T_scene_model[row], table.score[row], table.test(row)}, {}}});
     }
-    Result<SettledPose> pose = settle_alternatives(recognizer, poses, options.test, row);
-    if (!pose) {
-      results[k] = pose.error();
-      return;
+    std::vector<Decided> tried;
+    for (Row next = row; tried.size() < kMaxWinners;) {
+      Result<SettledPose> pose = settle_alternatives(recognizer_, poses_, options_.test, next);
+      if (!pose) return pose.error();
+      tried.push_back({next, *std::move(pose)});
+      TRIVET_TRY_ASSIGN(const std::optional<Row> better,
+                        others_->weigh(tried.back().row, tried.back().settled));
+      if (!better) return lowered(std::move(tried.back()));
+      if (std::ranges::find(tried, *better, &Decided::row) != tried.end()) break;
+      const bool is_hidden = std::ranges::any_of(refused, [&](const Refusal& refusal) {
+        return refusal.row == *better && refusal.explained_by == row;
+      });
+      if (!is_hidden) return lowered(std::move(tried.back()));
+      next = *better;
     }
-    settled[k] = *std::move(pose);
-    results[k] = others->weigh(row, settled[k]);
-  });
-  for (const Result<void>& result : results) {
-    if (!result) return result.error();
+    // Each of them is better than another one: the one that fits best overall.
+    return lowered(std::move(*std::ranges::max_element(
+        tried, {}, [&](const Decided& one) { return table.score[one.row]; })));
   }
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const bool is_beside_votes = options.votes_first && table.source[rows[k]] == Source::trisi &&
-                                 poses.library.shape(table.model[rows[k]]).has_pairs();
+
+ private:
+  static constexpr std::size_t kMaxWinners = 4;
+
+  Decided lowered(Decided one) const {
+    const bool is_beside_votes = options_.votes_first &&
+                                 poses_.table.source[one.row] == Source::trisi &&
+                                 poses_.library.shape(poses_.table.model[one.row]).has_pairs();
     if (is_beside_votes)
-      settled[k].pose.score = scale_odds(settled[k].pose.score, kOddsBesideVotes);
+      one.settled.pose.score = scale_odds(one.settled.pose.score, kOddsBesideVotes);
+    return one;
   }
-  return settled;
+
+  const Recognizer& recognizer_;
+  const TestedPoses& poses_;
+  const DecideOptions& options_;
+  const OtherAnswers* others_;
+};
+
+/// Settle the poses at the places of the chosen ones in parallel.
+Result<std::vector<Decided>> settle(const Settler& settler, Selection& selection) {
+  const std::vector<Row>& rows = selection.chosen;
+  std::vector<Result<Decided>> settled(rows.size(), Result<Decided>(Decided{}));
+  for_each_index(rows.size(),
+                 [&](std::size_t k) { settled[k] = settler.settled(rows[k], selection.refused); });
+  std::vector<Decided> out;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (!settled[k]) return settled[k].error();
+    if (settled[k]->row != rows[k]) exchange(rows[k], settled[k]->row, selection.refused);
+    out.push_back(*std::move(settled[k]));
+  }
+  return out;
 }
 
 float asked_score(const SettledPose& settled, const DecideOptions& options) {
-  return options.require_pose ? settled.pose.score * settled.ambiguity.pose_share
-                              : settled.pose.score;
+  return settled.pose.score * (options.require_pose ? settled.ambiguity.pose_share : 1) *
+         (options.require_identity ? settled.ambiguity.identity() : 1);
 }
 
 std::optional<Rejection> refusal_of(const TestedPoses& poses, Row row, const SettledPose& settled,
@@ -100,7 +133,7 @@ Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const P
   if (options.alternatives) {
     TRIVET_TRY(settle_rivals(recognizer, poses, options.test, selection));
     Result<OtherAnswers> found =
-        OtherAnswers::among(recognizer, poses, options.select, options.test, options.among);
+        OtherAnswers::among(recognizer, poses, options.select, options.test);
     if (!found) return found.error();
     others.emplace(*std::move(found));
   }
@@ -108,26 +141,29 @@ Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const P
   std::vector<Row> detections, standing;  // all detections kept; those reported
   // Detections kept in addition to the reported ones come from the first choice alone.
   float least = options.select.doubtful_score.value_or(options.select.min_score);
-  std::vector<Row> next = selection.chosen;
-  while (!next.empty()) {
-    Result<std::vector<SettledPose>> settled = settle(recognizer, poses, next, options, others);
+  const Settler settler(recognizer, poses, options, others ? &*others : nullptr);
+  while (!selection.chosen.empty()) {
+    Result<std::vector<Decided>> settled = settle(settler, selection);
     if (!settled) return settled.error();
-    for (std::size_t k = 0; k < next.size(); ++k) {
-      const Row row = next[k];
-      const float asked = asked_score((*settled)[k], options);
-      const auto refusal = refusal_of(poses, row, (*settled)[k], asked, least, decided);
-      decided.push_back({row, std::move((*settled)[k]), !refusal});
+    for (Decided& one : *settled) {
+      const float asked = asked_score(one.settled, options);
+      const auto refusal = refusal_of(poses, one.row, one.settled, asked, least, decided);
+      one.is_detection = !refusal;
       if (refusal) {
-        selection.refused.push_back({row, *refusal});
-        continue;
+        selection.refused.push_back({one.row, *refusal});
+      } else {
+        if (asked >= options.select.min_score) standing.push_back(one.row);
+        detections.push_back(one.row);
       }
-      if (asked >= options.select.min_score) standing.push_back(row);
-      detections.push_back(row);
+      decided.push_back(std::move(one));
     }
-    // A refused pose explains nothing, so the poses that it hid are compared with their
+    // A refused pose explains nothing, so the poses that it hid are compared with their rivals and
     // alternatives too.
     least = options.select.min_score;
-    next = choose_unexplained(poses, standing, options.select, selection.refused);
+    selection.chosen = choose_unexplained(poses, standing, options.select, selection.refused);
+    if (others) {
+      TRIVET_TRY(settle_rivals(recognizer, poses, options.test, selection));
+    }
   }
   for (PoseFate& fate : table.fate) fate = PoseFate::given_up;
   for (Decided& one : decided) table.set_settled(one.row, std::move(one.settled));

@@ -18,8 +18,8 @@ struct DecideOptions {
   PoseTestOptions test{};
   /// Whether to compare chosen poses with hypotheses that look like them.
   bool alternatives = true;
-  bool require_pose = false;  ///< whether min_score applies to score * pose_share
-  Among among = Among::few_models;
+  bool require_pose = false;      ///< whether min_score applies to score * pose_share
+  bool require_identity = false;  ///< whether min_score applies to score * share of the model
   /// Whether voting could have proposed each pose. If so, a pose that only matches propose is less
   /// likely.
   bool votes_first = true;

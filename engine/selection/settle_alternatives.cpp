@@ -26,10 +26,6 @@ constexpr int kMaxHops = 3;                // steps from an alternative to a bet
 // significantly better.
 constexpr double kLeastSignificance = 0.7;
 constexpr float kSameAxis = 0.99F;  // cosine
-// Factor on the odds of a pose with an equally good alternative at its place that its shape does
-// not explain. This is typical of false detections: in the drawn scenes of scripts/calibrate, it
-// holds for 39 of 670 correct and 48 of 143 wrong detections with scores from 0.8.
-constexpr float kOddsOfStrangeAlternative = 0.4F;
 constexpr double kLeastProbability = 1e-6;
 
 class AmbiguityTest {
@@ -39,15 +35,36 @@ class AmbiguityTest {
       : tester_(tester), model_(tester.model()), surface_(surface), score_(score), poses_(poses) {}
 
   SettledPose settled(Row row) {
-    const PoseTable& table = poses_.table;
     SettledPose out;
-    TestedPose& pose = out.pose;
+    std::vector<Alike> alike;
+    const kernels::TurnComparison turns = settle(row, out.pose, alike);
+    note_alternatives(alike, turns, out);
+    return out;
+  }
+
+  TestedPose best(Row row) {
+    TestedPose pose;
+    std::vector<Alike> alike;
+    (void)settle(row, pose, alike);
+    return pose;
+  }
+
+ private:
+  /// A pose that the scan cannot distinguish from another one.
+  struct Alike {
+    Pose T_scene_model;
+    double log_ratio;  ///< log likelihood ratio of this pose to the other one
+  };
+
+  /// Move the pose of a row to the best turn and alternative, and find the alternatives that are not
+  /// distinguished from it. Returns how other turns compare with it.
+  kernels::TurnComparison settle(Row row, TestedPose& pose, std::vector<Alike>& alike) {
+    const PoseTable& table = poses_.table;
     pose = {table.T_scene_model[row], table.score[row], table.test(row)};
     kernels::TurnComparison turns = settle_turn(pose);
     const double least_significance =
         std::lerp(kLeastSignificance, kernels::PoseComparison::kSignificant,
                   static_cast<double>(tester_.scene().sensor.correlation));
-    std::vector<Alike> alike;
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
       std::optional<Pose> better;
@@ -66,16 +83,8 @@ class AmbiguityTest {
       pose = std::move(moved);
       turns = settle_turn(pose);
     }
-    note_alternatives(alike, turns, out);
-    return out;
+    return turns;
   }
-
- private:
-  /// A pose that the scan cannot distinguish from another one.
-  struct Alike {
-    Pose T_scene_model;
-    double log_ratio;  ///< log likelihood ratio of this pose to the other one
-  };
 
   void note_alternatives(std::span<const Alike> alike, const kernels::TurnComparison& turns,
                          SettledPose& settled) {
@@ -93,7 +102,7 @@ class AmbiguityTest {
       const Pose turned = pose.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
       if (is_alternative(turned, pose)) ambiguity.alternatives.push_back(turned);
     }
-    if (strange) pose.score = scale_odds(pose.score, kOddsOfStrangeAlternative);
+    if (strange) pose.score = scale_odds(pose.score, kOddsOfStrangeAnswer);
     ambiguity.pose_share = turns.share / static_cast<float>(1 + elsewhere);
     if (turns.high - turns.low > 2 * kRightRotationRad)
       ambiguity.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};
@@ -208,16 +217,30 @@ class AmbiguityTest {
   kernels::CompareScratch compare_scratch_;
 };
 
-}  // namespace
-
-Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const TestedPoses& poses,
-                                        const PoseTestOptions& options, Row row) {
+/// Apply a method of AmbiguityTest to a row.
+template <class Found>
+Result<Found> tested_for_ambiguity(const Recognizer& recognizer, const TestedPoses& poses,
+                                   const PoseTestOptions& options, Row row,
+                                   Found (AmbiguityTest::*find)(Row)) {
   const std::uint32_t model = poses.table.model[row];
   const auto surface = recognizer.surface(model);
   if (!surface) return surface.error();
   TRIVET_TRY_ASSIGN(const TestedModel tested, tested_model(poses.library, model));
   const PoseTester tester(tested, poses.scene, options);
-  return AmbiguityTest(tester, **surface, recognizer.score(), poses).settled(row);
+  AmbiguityTest test(tester, **surface, recognizer.score(), poses);
+  return (test.*find)(row);
+}
+
+}  // namespace
+
+Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const TestedPoses& poses,
+                                        const PoseTestOptions& options, Row row) {
+  return tested_for_ambiguity(recognizer, poses, options, row, &AmbiguityTest::settled);
+}
+
+Result<TestedPose> find_best_alternative(const Recognizer& recognizer, const TestedPoses& poses,
+                                         const PoseTestOptions& options, Row row) {
+  return tested_for_ambiguity(recognizer, poses, options, row, &AmbiguityTest::best);
 }
 
 }  // namespace trivet::engine

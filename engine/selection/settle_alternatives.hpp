@@ -19,4 +19,9 @@ namespace trivet::engine {
 Result<SettledPose> settle_alternatives(const Recognizer& recognizer, const TestedPoses& poses,
                                         const PoseTestOptions& options, Row row);
 
+/// The pose that a tested pose moves to so, with its score before alternatives lower it. Errors: as
+/// above.
+Result<TestedPose> find_best_alternative(const Recognizer& recognizer, const TestedPoses& poses,
+                                         const PoseTestOptions& options, Row row);
+
 }  // namespace trivet::engine

@@ -5,27 +5,23 @@
 #include <vector>
 
 #include "engine/common/parallel.hpp"
-#include "engine/selection/odds.hpp"
-#include "kernels/verification/compare_poses.hpp"
+#include "engine/selection/compare_rivals.hpp"
 
 namespace trivet::engine {
 namespace {
 
-constexpr float kRivalScore = 0.5F;  // share of the chosen pose's score
-constexpr std::size_t kPosesOfRival = 2;
-
-/// The best poses of each other model that a chosen pose hides.
-std::vector<Row> rivals_of(Row chosen, const PoseTable& table, std::span<const Refusal> refused) {
-  std::vector<Row> rivals;
-  std::map<std::uint32_t, std::size_t> of_model;
+/// The best poses of each other model that a chosen pose hides, by model.
+std::vector<Row> rivals_of(Row chosen, const TestedPoses& poses, std::span<const Refusal> refused) {
+  const PoseTable& table = poses.table;
+  std::map<std::uint32_t, std::vector<Row>> by_model;
   for (const Refusal& refusal : refused) {
     const std::uint32_t model = table.model[refusal.row];
-    if (refusal.explained_by != chosen || model == table.model[chosen] ||
-        table.score[refusal.row] < kRivalScore * table.score[chosen] ||
-        ++of_model[model] > kPosesOfRival)
-      continue;
-    rivals.push_back(refusal.row);
+    if (refusal.explained_by == chosen && model != table.model[chosen] &&
+        table.score[refusal.row] >= kRivalScore * table.score[chosen])
+      add_rival(poses, refusal.row, by_model[model]);
   }
+  std::vector<Row> rivals;
+  for (const auto& [model, rows] : by_model) rivals.insert(rivals.end(), rows.begin(), rows.end());
   return rivals;
 }
 
@@ -33,21 +29,24 @@ std::vector<Row> rivals_of(Row chosen, const PoseTable& table, std::span<const R
 Result<Row> likelier(const Recognizer& recognizer, const TestedPoses& poses,
                      const PoseTestOptions& test, Row rival, Row winner,
                      kernels::CompareScratch& scratch) {
-  const PoseTable& table = poses.table;
-  const std::uint32_t a = table.model[rival], b = table.model[winner];
-  const auto surface = recognizer.surface(a), other = recognizer.surface(b);
-  if (!surface || !other) return surface ? other.error() : surface.error();
-  const Pose& pose = table.T_scene_model[winner];
-  TRIVET_TRY_ASSIGN(const TestedModel rivaling, tested_model(poses.library, a));
-  TRIVET_TRY_ASSIGN(const TestedModel winning, tested_model(poses.library, b));
-  const PoseTester tester(winning, poses.scene, test);
-  const kernels::PoseComparison comparison = kernels::compare_poses(
-      poses.scene.images, {**surface, rivaling.samples, table.T_scene_model[rival]},
-      {**other, tester.samples(), pose}, tester.errors_of(pose), tester.strict(pose), scratch);
-  return rival_log_odds(table.score[rival], table.score[winner], comparison) > 0 ? rival : winner;
+  TRIVET_TRY_ASSIGN(const RivalComparison comparison,
+                    compare_rivals(recognizer, poses.scene, test, rival_of(poses.table, rival),
+                                   rival_of(poses.table, winner), scratch));
+  return comparison.log_odds > 0 ? rival : winner;
 }
 
 }  // namespace
+
+void exchange(Row loser, Row winner, std::vector<Refusal>& refused) {
+  for (Refusal& refusal : refused) {
+    if (refusal.row == winner) {
+      refusal.row = loser;
+      refusal.explained_by = winner;
+    } else if (refusal.explained_by == loser) {
+      refusal.explained_by = winner;
+    }
+  }
+}
 
 Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& poses,
                            const PoseTestOptions& test, Selection& selection) {
@@ -55,7 +54,7 @@ Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& pose
   std::vector<Result<void>> results(winners.size());
   for_each_index(winners.size(), [&](std::size_t k) {
     kernels::CompareScratch scratch;
-    for (const Row rival : rivals_of(selection.chosen[k], poses.table, selection.refused)) {
+    for (const Row rival : rivals_of(selection.chosen[k], poses, selection.refused)) {
       check_stop();
       const Result<Row> winner = likelier(recognizer, poses, test, rival, winners[k], scratch);
       if (!winner) {
@@ -72,14 +71,7 @@ Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& pose
     const Row loser = selection.chosen[k], winner = winners[k];
     if (winner == loser) continue;
     selection.chosen[k] = winner;
-    for (Refusal& refusal : selection.refused) {
-      if (refusal.row == winner) {
-        refusal.row = loser;
-        refusal.explained_by = winner;
-      } else if (refusal.explained_by == loser) {
-        refusal.explained_by = winner;
-      }
-    }
+    exchange(loser, winner, selection.refused);
   }
   return {};
 }

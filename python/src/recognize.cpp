@@ -77,6 +77,31 @@ py::array_t<double> alternatives_of(const DetectionHandle& self) {
   return matrices_of(poses);
 }
 
+py::list candidates_of(const DetectionHandle& self) {
+  const Eigen::Vector3d& offset = self.all->result.offset;
+  py::list out;
+  for (const Candidate& candidate : self.one->candidates) {
+    py::dict one;
+    one["model"] = candidate.model;
+    one["share"] = candidate.share;
+    if (candidate.differs) {
+      py::dict differs;
+      differs["center"] =
+          vector_of(Eigen::Vector3d(candidate.differs->center.cast<double>() + offset));
+      differs["size"] = candidate.differs->size;
+      differs["deviation"] = candidate.differs->deviation;
+      differs["look_from"] =
+          vector_of(Eigen::Vector3d(candidate.differs->look_from.cast<double>()));
+      one["T_scene_model"] = self.all->place(candidate.T_scene_model);
+      one["log_odds"] = candidate.log_odds;
+      one["rays"] = candidate.rays;
+      one["differs"] = std::move(differs);
+    }
+    out.append(std::move(one));
+  }
+  return out;
+}
+
 py::array_t<double> covariance_of(const DetectionHandle& self) {
   py::array_t<double> out({6, 6});
   auto numbers = out.mutable_unchecked<2>();
@@ -184,7 +209,8 @@ void add_detections(py::module_& module) {
       .def_property_readonly("rmse", has(&Detection::rmse))
       .def_property_readonly("parts", &score_parts<Detection>)
       .def_property_readonly("alternatives", &alternatives_of)
-      .def_property_readonly("siblings", has(&Detection::siblings))
+      .def_property_readonly("identity", [](const Handle& self) { return self.one->identity(); })
+      .def_property_readonly("candidates", &candidates_of)
       .def_property_readonly(
           "source", [](const Handle& self) { return std::string(name_of(self.one->source)); })
       .def_property_readonly("pose_share", has(&Detection::pose_share))

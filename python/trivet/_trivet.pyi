@@ -162,8 +162,11 @@ class Detection:
     def alternatives(self) -> Doubles:
         """(k, 4, 4): other poses that the scan cannot tell from this one."""
     @property
-    def siblings(self) -> list[str]:
-        """Other models that explain as well what is seen here."""
+    def identity(self) -> float:
+        """Share of the model named first among the candidates."""
+    @property
+    def candidates(self) -> list[dict[str, Any]]:
+        """Models that it may be, the likeliest first, each with the keys of the JSON."""
     @property
     def turns(self) -> Optional[dict[str, Any]]:
         """Turns about an axis of the model, from low to high [rad], that the scan cannot tell."""

@@ -2,6 +2,7 @@ import { copyButton } from "./copy.js";
 import { element, moveByArrows, terms } from "./dom.js";
 import { scoreBars } from "./score_bars.js";
 import {
+  candidateWords,
   lengthWords,
   methodWords,
   numbered,
@@ -38,7 +39,10 @@ function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
         `the scan cannot tell it from ${numbered(pose.alternatives.length, "other pose", "other poses")},` +
           " drawn as outlines",
       ],
-      pose.siblings?.length > 0 && ["may as well be", pose.siblings.join(", ")],
+      pose.candidates?.length > 1 && [
+        `one of ${pose.candidates.length}`,
+        pose.candidates.map((candidate) => candidateWords(candidate, unit)).join(". "),
+      ],
     ]),
     found && aboutPose(pose),
     pose.evidence && scoreParts && scoreBars(pose, scoreParts),

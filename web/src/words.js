@@ -19,6 +19,18 @@ export function pointWords(point, unit) {
   return `${point.map(number).join(", ")} ${unit}`;
 }
 
+/** What tells a candidate from the model that is named first. */
+export function candidateWords({ model, share, rays, differs }, unit) {
+  const name = `${model} ${percentWords(share)}`;
+  if (!differs) return name;
+  const seen =
+    rays === 0 ? "not seen from here, seen from" : `${numbered(rays, "ray", "rays")} there, seen best from`;
+  return (
+    `${name}: differs by up to ${lengthWords(differs.deviation, unit)} around ${pointWords(differs.center, unit)};` +
+    ` ${seen} (${axisWords(differs.look_from)})`
+  );
+}
+
 export const placeWords = (point, unit) =>
   point.every((value) => value === 0) ? "the origin" : pointWords(point, unit);
 

@@ -45,6 +45,13 @@ TEST(RecognizeQuery, RequiresThePoseOnlyOnRequest) {
   EXPECT_FALSE(apps::service::parse_recognize_query({{"require-pose", "perhaps"}}));
 }
 
+TEST(RecognizeQuery, RequiresTheIdentityOnlyOnRequest) {
+  const auto query = apps::service::parse_recognize_query({{"require-identity", "true"}});
+  ASSERT_TRUE(query) << query.error().message;
+  EXPECT_TRUE(query->options.require_identity);
+  EXPECT_FALSE(apps::service::parse_recognize_query({})->options.require_identity);
+}
+
 TEST(OpenApi, GivesDefaultsAndChoicesThatAreAccepted) {
   const nlohmann::json document = nlohmann::json::parse(apps::service::openapi_document());
   const auto text = [](const nlohmann::json& value) {

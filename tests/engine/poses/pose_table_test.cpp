@@ -45,13 +45,15 @@ TEST(PoseTable, RecordsTestsInAnyOrder) {
   EXPECT_EQ(table.T_proposed[0].translation().x(), 0) << "as it was";
   EXPECT_EQ(table.stage[1], PoseStage::proposed);
   SettledPose settled{tested(0.75F), {}};
-  settled.ambiguity.siblings = {1};
+  settled.ambiguity.candidates = {{.model = 1, .share = 0.75F}};
   table.set_settled(2, settled);
   EXPECT_EQ(table.tests.size(), 2U) << "a row is tested once";
   EXPECT_EQ(table.score[2], 0.75F);
   EXPECT_EQ(table.test(2).examination.tolerance, 7.5F);
-  EXPECT_EQ(table.ambiguity(2).siblings, std::vector<std::uint32_t>{1});
-  EXPECT_TRUE(table.ambiguity(0).siblings.empty());
+  EXPECT_EQ(table.ambiguity(2).candidates.at(0).model, 1U);
+  EXPECT_EQ(table.ambiguity(2).identity(), 0.75F);
+  EXPECT_TRUE(table.ambiguity(0).candidates.empty());
+  EXPECT_EQ(table.ambiguity(0).identity(), 1) << "nothing was compared";
 }
 
 TEST(ByFalling, SortsRowsByAColumnTiesInTheirOrder) {

@@ -71,14 +71,22 @@ TEST_F(Report, GivesLengthsInTheFilesUnit) {
   turned.pose.test.examination.residual = 0;  // all of it may be correlated noise
   turned.ambiguity.alternatives.push_back(scored(0, 4).pose.T_scene_model);
   turned.ambiguity.turns = TurnExtent{{{0, 0, 1}, {0.5F, 0, 0}}, -1, 1};
-  turned.ambiguity.siblings = {1};
+  turned.ambiguity.candidates = {{.model = 0, .share = 0.75F},
+                                 {.model = 1, .share = 0.25F, .log_odds = -1, .num_measured = 7}};
+  turned.ambiguity.candidates[1].T_scene_model.translation().x() = 3;
   add(0, turned);
   const SceneResult result = reported();
   const Detection& detection = result.detections[0];
   EXPECT_FLOAT_EQ(detection.rmse, 1);
   EXPECT_FLOAT_EQ(detection.alternatives[0].translation().x(), 40);
   EXPECT_FLOAT_EQ(detection.turns->axis.point.x(), 5);
-  EXPECT_EQ(detection.siblings, std::vector<std::string>{"bolt"});
+  ASSERT_EQ(detection.candidates.size(), 2U);
+  EXPECT_EQ(detection.candidates[0].model, detection.model);
+  EXPECT_EQ(detection.identity(), 0.75F);
+  EXPECT_EQ(detection.candidates[1].model, "bolt");
+  EXPECT_EQ(detection.candidates[1].log_odds, -1);
+  EXPECT_EQ(detection.candidates[1].rays, 7U);
+  EXPECT_FLOAT_EQ(detection.candidates[1].T_scene_model.translation().x(), 30);
   EXPECT_FLOAT_EQ(result.stats.noise, 0.2F);
   EXPECT_FLOAT_EQ(result.stats.sensor->noise, 0.2F);
   EXPECT_FLOAT_EQ(result.stats.sensor->range, 30);

@@ -49,7 +49,7 @@ TEST(OddsInCrowd, AreNumbersAtTheEnds) {
 }
 
 /// Two rods, one with a longer pin at its end.
-class Siblings : public testing::Test {
+class Candidates : public testing::Test {
  protected:
   static test::Shape rod(float pin) {
     return test::box({-0.1F, -0.03F, -0.02F}, {0.06F, 0.03F, 0.02F})
@@ -67,7 +67,7 @@ class Siblings : public testing::Test {
   /// The short rod in front of a wall, with its pin hidden or not.
   static Cloud scan(bool hidden) {
     static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
-    static const test::Shape cover = test::box({0.03F, -0.1F, 0.5F}, {0.2F, 0.1F, 0.51F});
+    static const test::Shape cover = test::box({0.03F, -0.04F, 0.5F}, {0.17F, 0.04F, 0.51F});
     std::vector<test::Placed> things{{&wall, Pose::Identity()}, {&short_, pose()}};
     if (hidden) things.push_back({&cover, Pose::Identity()});
     return test::render_scan(things);
@@ -82,48 +82,74 @@ class Siblings : public testing::Test {
   static inline Recognizer both_{Library{}}, one_{Library{}};
 };
 
-TEST_F(Siblings, ShareTheProbabilityWhereTheScanDoesNotDistinguishThem) {
+TEST_F(Candidates, AreOneAnswerWhereTheScanDoesNotDistinguishThem) {
   const std::vector<Detection> detections = found(both_, false);
   ASSERT_FALSE(detections.empty());
   EXPECT_EQ(detections[0].model, "short");
   EXPECT_GT(detections[0].score, 0.9F);
-  EXPECT_TRUE(detections[0].siblings.empty()) << "its pin ends where that of the long one goes on";
+  EXPECT_EQ(detections[0].candidates.size(), 1U)
+      << "its pin ends where that of the long one goes on";
+  EXPECT_EQ(detections[0].identity(), 1);
 
-  const std::vector<Detection> hidden = found(both_, true), alone = found(one_, true);
-  ASSERT_FALSE(hidden.empty());
+  const std::vector<Detection> hidden = found(both_, true, 0.8F), alone = found(one_, true);
+  ASSERT_EQ(hidden.size(), 1U) << "one answer, and reported: one of them is here";
   ASSERT_FALSE(alone.empty());
-  EXPECT_EQ(hidden[0].siblings.size(), 1U);
-  EXPECT_NE(hidden[0].siblings.at(0), hidden[0].model);
-  EXPECT_TRUE(alone[0].siblings.empty());
-  EXPECT_LT(hidden[0].score, 0.65F) << "either may lie there";
-  EXPECT_GT(alone[0].score, 0.8F);
-  EXPECT_TRUE(found(both_, true, 0.8F).empty()) << "the other one has its turn, and no more";
+  ASSERT_EQ(hidden[0].candidates.size(), 2U);
+  EXPECT_EQ(hidden[0].candidates[0].model, hidden[0].model);
+  EXPECT_NE(hidden[0].candidates[1].model, hidden[0].model);
+  EXPECT_NEAR(hidden[0].identity(), 0.5F, 0.1F) << "either may lie there";
+  EXPECT_NEAR(hidden[0].candidates[0].share + hidden[0].candidates[1].share, 1, 1e-5F);
+  EXPECT_GE(hidden[0].score, alone[0].score - 0.02F) << "it is there as surely as a single model";
+  EXPECT_EQ(alone[0].candidates.size(), 1U);
 }
 
-TEST_F(Siblings, ShareByTheirScoresTooWhereManyModelsWereSoughtFor) {
+TEST_F(Candidates, ReportWhatTellsThemApart) {
+  const std::vector<Detection> hidden = found(both_, true, 0.8F);
+  ASSERT_EQ(hidden.size(), 1U);
+  EXPECT_FALSE(hidden[0].candidates.at(0).differs);
+  const Candidate& other = hidden[0].candidates.at(1);
+  ASSERT_TRUE(other.differs);
+  EXPECT_EQ(other.rays, 0U) << "the cover hides the pin";
+  EXPECT_NEAR(other.log_odds, 0, 0.4);
+  EXPECT_NEAR(other.differs->deviation, 0.045F, 0.01F) << "what one pin is longer by";
+  const Eigen::Vector3f end = pose() * Eigen::Vector3f(0.12F, 0, 0);
+  EXPECT_LT((other.differs->center - end).norm(), 0.025F) << other.differs->center.transpose();
+  EXPECT_NEAR(other.differs->look_from.norm(), 1, 1e-4F);
+}
+
+TEST_F(Candidates, MustHaveTheScoreAloneIfTheIdentityIsRequired) {
+  const auto with = [&](bool require_identity) {
+    const auto result =
+        recognize(both_, scan(true), {}, {.min_score = 0.8F, .require_identity = require_identity});
+    EXPECT_TRUE(result);
+    return result->detections.size();
+  };
+  EXPECT_EQ(with(false), 1U);
+  EXPECT_EQ(with(true), 0U);
+}
+
+TEST_F(Candidates, HaveTheScoreOfTheFamily) {
   StageTimes times;
   const auto scene = prepare_scene(scan(true), {}, times);
   ASSERT_TRUE(scene) << scene.error().message;
   PoseTable table;
-  for (const auto& [model, score] : {std::pair(0U, 0.6F), std::pair(1U, 0.95F)}) {
+  for (const auto& [model, score] : {std::pair(0U, 0.95F), std::pair(1U, 0.6F)}) {
     TestedPose tested{pose(), score, {}};
     tested.test.explained.pixels = {1000, 1001, 1002, 1003};
     table.set_tested(table.add(model, Source::ppf, pose()), std::move(tested));
   }
   const std::array<Row, 2> rows{0, 1};
   const TestedPoses poses{both_.library(), *scene, table, rows};
-  const auto weighed = [&](Among among) {
-    const auto others = OtherAnswers::among(both_, poses, {}, {}, among);
-    EXPECT_TRUE(others);
-    SettledPose settled{{pose(), 0.95F, {}}, {}};
-    EXPECT_TRUE(others->weigh(1, settled));
-    return settled.pose.score;
-  };
-  EXPECT_LT(weighed(Among::few_models), 0.6F) << "the scan does not distinguish them";
-  EXPECT_GT(weighed(Among::many_models), 0.75F) << "0.95 is far more than 0.6";
+  const auto others = OtherAnswers::among(both_, poses, {}, {});
+  ASSERT_TRUE(others);
+  SettledPose settled{{pose(), 0.6F, {}}, {}};
+  ASSERT_TRUE(others->weigh(1, settled));
+  EXPECT_NEAR(settled.pose.score, 0.95F, 1e-3F)
+      << "what the scan does not tell from it is as likely";
+  EXPECT_NEAR(settled.ambiguity.identity(), 0.5F, 0.1F);
 }
 
-TEST_F(Siblings, ScoreDoesNotDependOnWhatIsAskedFor) {
+TEST_F(Candidates, ScoreDoesNotDependOnWhatIsAskedFor) {
   const std::vector<Detection> few = found(both_, false, 0.8F), more = found(both_, false);
   ASSERT_FALSE(few.empty());
   ASSERT_GE(more.size(), few.size());

@@ -1,0 +1,63 @@
+#include "engine/selection/compare_rivals.hpp"
+
+#include <algorithm>
+
+#include "engine/loaded_library/find_look_alikes.hpp"
+#include "engine/poses/placement.hpp"
+#include "engine/selection/odds.hpp"
+
+namespace trivet::engine {
+namespace {
+
+constexpr std::size_t kPosesOfRival = 4;
+
+}  // namespace
+
+void add_rival(const TestedPoses& poses, Row row, std::vector<Row>& rivals) {
+  const PoseTable& table = poses.table;
+  const bool repeats = std::ranges::any_of(rivals, [&](Row other) {
+    return same_placement(poses.library.models[table.model[row]], table.T_scene_model[other],
+                          table.T_scene_model[row]);
+  });
+  if (!repeats && rivals.size() < kPosesOfRival) rivals.push_back(row);
+}
+
+Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const PreparedScene& scene,
+                                       const PoseTestOptions& test, const Rival& first,
+                                       const Rival& second, kernels::CompareScratch& scratch) {
+  const auto surface = recognizer.surface(first.model), other = recognizer.surface(second.model);
+  if (!surface || !other) return surface ? other.error() : surface.error();
+  TRIVET_TRY_ASSIGN(const TestedModel first_model, tested_model(recognizer.library(), first.model));
+  TRIVET_TRY_ASSIGN(const TestedModel second_model,
+                    tested_model(recognizer.library(), second.model));
+  const PoseTester first_tester(first_model, scene, test), tester(second_model, scene, test);
+  // The first at one pose with the second at another one, by the errors and limits of `by`.
+  const auto compare = [&](const Pose& pose, const Pose& other_pose, const PoseTester& by,
+                           const Pose& at) {
+    return kernels::compare_poses(scene.images, {**surface, first_tester.samples(), pose},
+                                  {**other, tester.samples(), other_pose}, by.errors_of(at),
+                                  by.strict(at), scratch);
+  };
+  const Pose &here = second.T_scene_model, &there = first.T_scene_model;
+  RivalComparison out;
+  out.T_second_first = here.inverse() * there;
+  const kernels::RefinedAlignment common = kernels::refine_alignment(
+      tester.samples(), first_tester.samples(), coinciding_distance(second_model.info.diameter),
+      out.T_second_first);
+  if (common.agreeing < kCoinciding) {
+    const kernels::PoseComparison comparison = compare(there, here, tester, here);
+    out.log_odds = rival_log_odds(first.score, second.score, comparison);
+    out.num_measured = comparison.num_measured;
+    return out;
+  }
+  out.coincide = true;
+  out.T_second_first = common.T_this_other;
+  const kernels::PoseComparison at_second = compare(here * common.T_this_other, here, tester, here),
+                                at_first = compare(there, there * common.T_this_other.inverse(),
+                                                   first_tester, there);
+  out.log_odds = 0.5 * (at_first.log_ratio + at_second.log_ratio);
+  out.num_measured = at_second.num_measured;
+  return out;
+}
+
+}  // namespace trivet::engine
