@@ -20,7 +20,7 @@ install(TARGETS trivet_storage trivet_kernels trivet_engine EXPORT trivet_target
 # The public headers, and what they include.
 set(public_headers
   engine/common/progress.hpp engine/common/thread_limit.hpp
-  engine/loaded_library/default_score.hpp engine/loaded_library/recognizer.hpp
+  engine/loaded_library/default_score.hpp engine/loaded_library/find_families.hpp engine/loaded_library/recognizer.hpp
   engine/meshing/surface_from_points.hpp
   engine/options/improvements.hpp engine/options/method.hpp engine/options/option.hpp engine/options/pose_limits.hpp
   engine/options/presets.hpp engine/options/recognize_options.hpp engine/options/train_options.hpp

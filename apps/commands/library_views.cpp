@@ -2,13 +2,17 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "apps/commands/library_commands.hpp"
+#include "apps/inputs/inputs.hpp"
 #include "apps/results/standard_output.hpp"
 #include "apps/results/write_json.hpp"
 #include "apps/words/library_summary.hpp"
 #include "engine/libraries/edit_library.hpp"
+#include "engine/loaded_library/find_families.hpp"
 #include "storage/common/counted.hpp"
 #include "storage/library/library.hpp"
 
@@ -17,6 +21,7 @@ namespace {
 
 struct ViewArguments {
   std::string file, other, json;
+  std::optional<float> deviation;
 };
 
 Result<void> list(const ViewArguments& arguments) {
@@ -79,6 +84,60 @@ Result<void> diff(const ViewArguments& arguments) {
   return write_output(difference_text(difference));
 }
 
+std::string place_words(const Eigen::Vector3f& place) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g})", place.x(), place.y(), place.z());
+}
+
+std::string families_text(const Library& library, std::span<const Family> families) {
+  if (families.empty()) return "No two models are near copies of each other\n";
+  std::string text;
+  const auto name = [&](std::uint32_t model) { return library.models[model].name; };
+  for (const Family& family : families) {
+    for (const std::uint32_t model : family.models)
+      text += (model == family.models.front() ? "" : ", ") + name(model);
+    text += '\n';
+    for (const FamilyPair& pair : family.pairs) {
+      text +=
+          fmt::format("  {} and {} differ by up to {:.3g} {} around {} of {}\n", name(pair.first),
+                      name(pair.second), pair.difference.deviation, unit_name(library.header.unit),
+                      place_words(pair.difference.center), name(pair.first));
+    }
+  }
+  return text;
+}
+
+nlohmann::ordered_json families_json(const Library& library, std::span<const Family> families) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  const auto name = [&](std::uint32_t model) { return library.models[model].name; };
+  for (const Family& family : families) {
+    nlohmann::ordered_json models = nlohmann::ordered_json::array(),
+                           pairs = nlohmann::ordered_json::array();
+    for (const std::uint32_t model : family.models) models.push_back(name(model));
+    for (const FamilyPair& pair : family.pairs) {
+      const kernels::SurfaceDifference& d = pair.difference;
+      pairs.push_back({{"first", name(pair.first)},
+                       {"second", name(pair.second)},
+                       {"agreeing", pair.agreeing},
+                       {"deviation", d.deviation},
+                       {"center", {d.center.x(), d.center.y(), d.center.z()}},
+                       {"size", d.size}});
+    }
+    json.push_back({{"models", std::move(models)}, {"pairs", std::move(pairs)}});
+  }
+  return {{"unit", unit_name(library.header.unit)}, {"families", std::move(json)}};
+}
+
+Result<void> families(const ViewArguments& arguments) {
+  Result<Library> library = open_library(arguments.file);
+  if (!library) return library.error();
+  const Recognizer recognizer(*std::move(library));
+  const Result<std::vector<Family>> found = find_families(recognizer, arguments.deviation);
+  if (!found) return found.error();
+  if (!arguments.json.empty())
+    return write_json(arguments.json, families_json(recognizer.library(), *found));
+  return write_output(families_text(recognizer.library(), *found));
+}
+
 }  // namespace
 
 void add_library_views(CLI::App& library, Context& context) {
@@ -103,6 +162,18 @@ void add_library_views(CLI::App& library, Context& context) {
       "Opening a library checks its structure, and each model when it is first used. This checks\n"
       "all of it: checksums, bounds, and that its directory says what HDF5 finds.",
       verify);
+  CLI::App* const families_command = add(
+      "families",
+      "Print which models are near copies of each other, and where they differ\n\n"
+      "Nine tenths of their surfaces coincide, to 0.8 % of the diameter, so a scan may not tell\n"
+      "them apart. Families are linked by such pairs.",
+      families);
+  families_command
+      ->add_option(
+          "--deviation", arguments->deviation,
+          "Largest distance of the surfaces of a pair, in the library's unit; by default any")
+      ->check(CLI::NonNegativeNumber);
+  add_json(families_command);
   CLI::App* const diff_command = add(
       "diff",
       "Print which models were added, removed, renamed or changed from one library to another\n\n"

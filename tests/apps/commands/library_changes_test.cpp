@@ -1,6 +1,8 @@
 /// Changes that `trivet library` makes from the command line.
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "apps/program.hpp"
 #include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
@@ -92,6 +94,24 @@ TEST_F(LibraryChanges, VerifyReportsDamage) {
   damaged[damaged.size() / 2] ^= 1;
   folder_->write("damaged.h5", damaged);
   fails({"library", "verify", "damaged.h5"}, "damaged.h5");
+}
+
+TEST_F(LibraryChanges, FamiliesPrintWhichModelsAreNearCopiesAndWhereTheyDiffer) {
+  EXPECT_EQ(does({"library", "families", "library.h5"}),
+            "No two models are near copies of each other\n");
+  const test::Shape post =
+      test::bracket().join(test::box({-0.02F, 0.02F, 0.02F}, {-0.01F, 0.03F, 0.027F}));
+  ASSERT_TRUE(write_ply(*folder_ / "post.ply", test::cloud_of(post)));
+  does({"library", "add", "library.h5", "post.ply"});
+  const std::string text = does({"library", "families", "library.h5"});
+  EXPECT_EQ(text.rfind("bracket, post\n  bracket and post differ by up to ", 0), 0U) << text;
+  const auto json =
+      nlohmann::json::parse(does({"library", "families", "library.h5", "--json", "-"}));
+  ASSERT_EQ(json["families"].size(), 1U);
+  EXPECT_EQ(json["families"][0]["models"], (nlohmann::json{"bracket", "post"}));
+  EXPECT_GT(json["families"][0]["pairs"][0]["deviation"], 0.0);
+  EXPECT_EQ(does({"library", "families", "library.h5", "--deviation", "0"}),
+            "No two models are near copies of each other\n");
 }
 
 }  // namespace
