@@ -91,7 +91,8 @@ Result<Judged> recognize_scenes(const Manifest& manifest, const EvaluateArgument
   if (!lacked) return lacked.error();
   options->doubtful_score = std::min(kLowestKeptScore, options->min_score);
   Judged judged{{},
-                {options->min_score, options->require_pose, options->doubtful_score},
+                {options->min_score, options->require_pose, options->require_identity,
+                 options->doubtful_score},
                 source_of(arguments.library, arguments.opening.calibration),
                 std::move(*lacked)};
   judged.results.resize(manifest.scenes.size());
@@ -138,7 +139,7 @@ Result<Judged> stored_results(const Manifest& manifest, const EvaluateArguments&
   }
   const Result<RecognizeOptions> options = recognize_options(arguments.recognize);
   if (!options) return options.error();
-  ScoreThreshold threshold{{}, options->require_pose, {}};
+  ScoreThreshold threshold{{}, options->require_pose, options->require_identity, {}};
   if (arguments.recognize.given.at("min-score").is_given())
     threshold.min_score = options->min_score;
   return Judged{std::move(*results), threshold, arguments.detections, {}};
@@ -188,7 +189,7 @@ Result<void> evaluate_manifest(const EvaluateArguments& arguments, const Context
   const Result<Evaluation> evaluation =
       evaluate(*manifest, *meshes, judged->results,
                threshold.min_score.value_or(-std::numeric_limits<float>::infinity()),
-               threshold.require_pose);
+               threshold.require_pose, threshold.require_identity);
   if (!evaluation) {
     return Error{evaluation.error().code,
                  fmt::format("{}: {}", arguments.manifest, evaluation.error().message)};

@@ -13,10 +13,16 @@ using nlohmann::ordered_json;
 
 ordered_json tally_json(const Tally& tally) {
   const auto [low, high] = wilson_interval(tally.right, tally.instances);
-  return {{"instances", tally.instances}, {"right", tally.right},
-          {"recall", tally.recall()},     {"recall_95_low", low},
-          {"recall_95_high", high},       {"precision", tally.precision()},
-          {"add_right", tally.add_right}, {"false_positives", tally.false_positives}};
+  return {{"instances", tally.instances},
+          {"right", tally.right},
+          {"recall", tally.recall()},
+          {"recall_95_low", low},
+          {"recall_95_high", high},
+          {"precision", tally.precision()},
+          {"add_right", tally.add_right},
+          {"false_positives", tally.false_positives},
+          {"among_candidates", tally.among_candidates},
+          {"misnamed", tally.misnamed}};
 }
 
 /// Sums of groups of truths. False positives belong to no group.
@@ -26,6 +32,7 @@ ordered_json groups_json(const Tallies& tallies) {
     object[name] = tally_json(tally);
     object[name].erase("precision");
     object[name].erase("false_positives");
+    object[name].erase("misnamed");
   }
   return object;
 }
@@ -46,6 +53,7 @@ ordered_json threshold_json(const ScoreThreshold& threshold) {
   };
   return {{"min_score", score(threshold.min_score)},
           {"require_pose", threshold.require_pose},
+          {"require_identity", threshold.require_identity},
           {"lowest_kept_score", score(threshold.lowest_kept)}};
 }
 
@@ -107,7 +115,8 @@ ordered_json detection_json(const JudgedDetection& judged, const Detection& dete
   ordered_json entry{{"model", detection.model},
                      {"score", detection.score},
                      {"reported", judged.reported},
-                     {"verdict", verdict_name(judged.verdict)}};
+                     {"verdict", verdict_name(judged.verdict)},
+                     {"misnamed", judged.misnamed}};
   if (judged.truth) {
     entry[judged.found ? "truth" : "nearest_truth"] = *judged.truth;
     entry["translation_error_over_diameter"] = judged.translation_error;
@@ -223,6 +232,13 @@ std::string evaluation_table(const Evaluation& evaluation, const BopScores& bop)
       text += tally_row(fmt::format("  {} {}", group, name), tally, false);
   }
   for (const auto& [name, tally] : evaluation.by_model) text += tally_row("  " + name, tally, true);
+  const Tally& total = evaluation.total;
+  if (total.among_candidates > total.right || total.misnamed > 0) {
+    text += fmt::format(
+        "among the candidates         {} / {}; {} of the false ones have only the "
+        "wrong name\n",
+        total.among_candidates, total.instances, total.misnamed);
+  }
   if (evaluation.num_missing > 0)
     text += counted(evaluation.num_missing, "scene has", "scenes have") + " no result\n";
   if (evaluation.median_translation_error) {
@@ -261,8 +277,9 @@ std::string threshold_words(const ScoreThreshold& threshold, const std::string& 
     return fmt::format("threshold                    all detections of {} count as reported\n",
                        source);
   std::string text =
-      fmt::format("threshold                    {} {:.3g} and above reported",
-                  threshold.require_pose ? "score x pose_share" : "score", *threshold.min_score);
+      fmt::format("threshold                    score{}{} {:.3g} and above reported",
+                  threshold.require_pose ? " x pose_share" : "",
+                  threshold.require_identity ? " x identity" : "", *threshold.min_score);
   if (threshold.lowest_kept) {
     text += fmt::format("; average precision, calibration and BOP's scores from {:.3g} on",
                         *threshold.lowest_kept);

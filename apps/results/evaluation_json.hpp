@@ -18,6 +18,7 @@ const char* verdict_name(Verdict verdict);
 struct ScoreThreshold {
   std::optional<float> min_score{};    ///< none: all of the results
   bool require_pose = false;           ///< compare score x pose_share, not the score
+  bool require_identity = false;       ///< compare score x identity
   std::optional<float> lowest_kept{};  ///< kept by recognition, for curves and BOP's scores
 };
 

@@ -55,13 +55,16 @@ class Judge {
         read_cells(plan_, folder_, sets_, point);
     if (!results) return results.error();
     float threshold = point.settings.recognize.min_score;
-    const bool require_pose = point.settings.recognize.require_pose;
-    Result<Evaluation> evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
+    const bool require_pose = point.settings.recognize.require_pose,
+               require_identity = point.settings.recognize.require_identity;
+    Result<Evaluation> evaluation =
+        evaluate(manifest, **meshes, *results, threshold, require_pose, require_identity);
     if (!evaluation) return evaluation.error();
     const bool best = study_.experiments[point.experiment].threshold == Threshold::best_f1;
     if (best && evaluation->curve.best_f1) {
       threshold = static_cast<float>(evaluation->curve.best_f1->score);
-      evaluation = evaluate(manifest, **meshes, *results, threshold, require_pose);
+      evaluation =
+          evaluate(manifest, **meshes, *results, threshold, require_pose, require_identity);
       if (!evaluation) return evaluation.error();
     }
     count_others(manifest, *results, *evaluation);

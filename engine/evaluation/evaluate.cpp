@@ -116,16 +116,19 @@ std::optional<Match> nearest_truth(const PoseJudge& judge, const Detection& dete
   return best;
 }
 
-float asked_score(const Detection& detection, bool require_pose) {
-  return require_pose ? detection.pose_score() : detection.score;
-}
+/// What the least score is held against.
+struct Asked {
+  bool pose = false, identity = false;
+
+  float score(const Detection& detection) const { return detection.asked_score(pose, identity); }
+};
 
 /// Judges one scene after another.
 class Judge {
  public:
   Judge(std::vector<std::string> scored, std::span<const EvaluationMesh> meshes, float min_score,
-        bool require_pose)
-      : scored_(std::move(scored)), min_score_(min_score), require_pose_(require_pose) {
+        const Asked& asked)
+      : scored_(std::move(scored)), min_score_(min_score), asked_(asked) {
     for (const EvaluationMesh& mesh : meshes) judges_.try_emplace(mesh.name, mesh);
   }
 
@@ -133,7 +136,7 @@ class Judge {
     const std::vector<Detection>& detections = result.detections;
     SceneEvaluation out;
     for (const TruthInstance& truth : scene.truth)
-      out.truths.push_back({!truth.ignore && is_scored(truth.model), {}});
+      out.truths.push_back({!truth.ignore && is_scored(truth.model), false, {}});
     std::vector<std::size_t> order(detections.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -145,6 +148,8 @@ class Judge {
       if (judged.found) out.truths[*judged.truth].found_by = out.detections.size();
       out.detections.push_back(judged);
     }
+    for (JudgedDetection& judged : out.detections)
+      judge_candidates(scene, detections[judged.detection], result.offset, judged, out.truths);
     for (std::size_t t = 0; t < out.truths.size(); ++t) {
       const TruthOutcome& truth = out.truths[t];
       const bool found = truth.found_by && out.detections[*truth.found_by].reported;
@@ -162,7 +167,7 @@ class Judge {
                                   const Eigen::Vector3d& offset,
                                   std::span<const TruthOutcome> truths) {
     JudgedDetection judged;
-    judged.reported = asked_score(detection, require_pose_) >= min_score_;
+    judged.reported = asked_.score(detection) >= min_score_;
     judged.verdict = is_scored(detection.model) ? Verdict::wrong : Verdict::neutral;
     const auto found = judges_.find(detection.model);
     if (found == judges_.end()) return judged;
@@ -187,9 +192,36 @@ class Judge {
     return judged;
   }
 
+  /// Mark the truth that a reported detection has among its candidates: the one that it finds, or
+  /// else the nearest one of another candidate that none found yet.
+  void judge_candidates(const ManifestScene& scene, const Detection& detection,
+                        const Eigen::Vector3d& offset, JudgedDetection& judged,
+                        std::span<TruthOutcome> truths) {
+    if (!judged.reported) return;
+    if (judged.found) {
+      truths[*judged.truth].among_candidates = true;
+      return;
+    }
+    for (const Candidate& candidate : detection.candidates) {
+      const auto found = judges_.find(candidate.model);
+      if (candidate.model == detection.model || found == judges_.end()) continue;
+      Detection as_named;
+      as_named.model = candidate.model;
+      as_named.T_scene_model = candidate.T_scene_model;
+      const std::optional<Match> match = nearest_truth(
+          found->second, as_named, scene, offset, [&](std::size_t t, const PoseError& error) {
+            return error.right() && !truths[t].found_by && !truths[t].among_candidates;
+          });
+      if (!match) continue;
+      truths[match->truth].among_candidates = true;
+      judged.misnamed = judged.verdict == Verdict::wrong;
+      return;
+    }
+  }
+
   std::vector<std::string> scored_;
   float min_score_;
-  bool require_pose_;
+  Asked asked_;
   std::map<std::string, PoseJudge> judges_;
 };
 
@@ -206,10 +238,11 @@ double Tally::precision() const noexcept {
 
 Result<Evaluation> evaluate(const Manifest& manifest, std::span<const EvaluationMesh> meshes,
                             std::span<const std::optional<SceneResult>> results, float min_score,
-                            bool require_pose) {
+                            bool require_pose, bool require_identity) {
   TRIVET_REQUIRE(results.size() == manifest.scenes.size(), "one result, or none, for each scene");
   TRIVET_TRY_ASSIGN(const std::vector<std::string> scored, scored_with_mesh(manifest, meshes));
-  Judge judge(scored, meshes, min_score, require_pose);
+  const Asked asked{require_pose, require_identity};
+  Judge judge(scored, meshes, min_score, asked);
 
   Evaluation out;
   std::map<std::string, Tally> models;
@@ -237,6 +270,7 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
         ++tally->instances;
         tally->right += found ? 1 : 0;
         tally->add_right += found && finder->add < kMaxAdd ? 1 : 0;
+        tally->among_candidates += judged.truths[t].among_candidates ? 1 : 0;
       }
       if (!found) continue;
       translation_errors.push_back(finder->translation_error);
@@ -245,10 +279,13 @@ Result<Evaluation> evaluate(const Manifest& manifest, std::span<const Evaluation
     for (const JudgedDetection& detection : judged.detections) {
       if (detection.verdict == Verdict::neutral) continue;
       const Detection& own = detections[detection.detection];
-      outcomes.push_back({static_cast<double>(asked_score(own, require_pose)),
-                          detection.verdict == Verdict::right});
+      outcomes.push_back(
+          {static_cast<double>(asked.score(own)), detection.verdict == Verdict::right});
       if (detection.verdict == Verdict::right || !detection.reported) continue;
-      for (Tally* tally : {&out.total, &judged.tally, &models[own.model]}) ++tally->false_positives;
+      for (Tally* tally : {&out.total, &judged.tally, &models[own.model]}) {
+        ++tally->false_positives;
+        tally->misnamed += detection.misnamed ? 1 : 0;
+      }
     }
     out.scenes.push_back(std::move(judged));
   }

@@ -38,13 +38,14 @@ std::string evaluate_manifest(const OpenLibrary& library, const std::string& fil
         reports.to(token),
         [&](std::size_t index, const SceneResult& result) { results[index] = result; });
     if (!done) return done.error();
-    const Result<Evaluation> evaluation =
-        evaluate(*manifest, *meshes, results, options.min_score, options.require_pose);
+    const Result<Evaluation> evaluation = evaluate(*manifest, *meshes, results, options.min_score,
+                                                   options.require_pose, options.require_identity);
     if (!evaluation) return evaluation.error();
     const Result<BopScores> bop = bop_scores(*manifest, *meshes, results);
     if (!bop) return bop.error();
     return json_text(apps::evaluation_json(
-        *manifest, *evaluation, {options.min_score, options.require_pose, options.doubtful_score},
+        *manifest, *evaluation,
+        {options.min_score, options.require_pose, options.require_identity, options.doubtful_score},
         *bop, results));
   };
   const Result<std::string> document = interruptibly(judge, stop);

@@ -100,6 +100,37 @@ TEST_F(Evaluate, AllowsTwelveDegreesAboutTheMiddleWhereverTheOriginLies) {
   expect(0, 1, 1);
 }
 
+TEST_F(Evaluate, CountsATruthAmongTheCandidatesApart) {
+  add_truth(Pose::Identity(), "other");
+  add_truth(pose_at({40, 0, 0}), "box");
+  add_detection(Pose::Identity());
+  add_detection(pose_at({40, 0, 0}));
+  result.detections[0].candidates = {{.model = "box", .share = 0.6F},
+                                     {.model = "other", .share = 0.4F}};
+  Evaluation evaluation = judge();
+  EXPECT_EQ(evaluation.total.right, 1U) << "the model named first must be right";
+  EXPECT_EQ(evaluation.total.false_positives, 1U);
+  EXPECT_EQ(evaluation.total.misnamed, 1U) << "only its name is wrong";
+  EXPECT_EQ(evaluation.total.among_candidates, 2U);
+  EXPECT_TRUE(evaluation.scenes[0].detections[0].misnamed);
+
+  result.detections[0].candidates[1].T_scene_model = pose_at({5, 0, 0});
+  evaluation = judge();
+  EXPECT_EQ(evaluation.total.misnamed, 0U) << "the candidate lies elsewhere";
+  EXPECT_EQ(evaluation.total.among_candidates, 1U);
+}
+
+TEST_F(Evaluate, HoldsTheLeastScoreAgainstTheModelNamedFirstIfThatIsRequired) {
+  add_truth(Pose::Identity());
+  add_detection(Pose::Identity(), 0.9F);
+  result.detections[0].candidates = {{.model = "box", .share = 0.6F},
+                                     {.model = "other", .share = 0.4F}};
+  const std::vector<std::optional<SceneResult>> results{result};
+  EXPECT_EQ(evaluate(manifest, meshes, results, 0.8F, false, false)->total.right, 1U);
+  EXPECT_EQ(evaluate(manifest, meshes, results, 0.8F, false, true)->total.right, 0U);
+  EXPECT_EQ(evaluate(manifest, meshes, results, 0.5F, false, true)->total.right, 1U);
+}
+
 TEST_F(Evaluate, CountsASecondDetectionOfOneInstanceAsFalse) {
   add_truth(Pose::Identity());
   add_detection(Pose::Identity(), 0.5F);
