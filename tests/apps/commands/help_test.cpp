@@ -79,7 +79,7 @@ TEST_F(Help, WritesPagesThatMandocFindsNoFaultWith) {
 
 TEST_F(Help, CompletesCommandsOptionsAndTheirValuesInBash) {
   EXPECT_EQ(offered("trivet rec"), "recognize\n");
-  EXPECT_EQ(offered("trivet library ''").find("list\ninfo\nverify\ndiff\nadd\n"), 0U);
+  EXPECT_EQ(offered("trivet library ''").find("list\ninfo\nverify\nfamilies\ndiff\nadd\n"), 0U);
   EXPECT_EQ(offered("trivet library info --j"), "--json\n");
   EXPECT_EQ(offered("trivet --threads 2 recognize --meth"), "--method\n");
   EXPECT_EQ(offered("trivet recognize --qui"), "--quiet\n") << "of all commands";
