@@ -34,9 +34,9 @@ constexpr double kAsGood = 1, kLeast = 1e-6;
 // Of two poses that a test was made of, the second has to be that much likelier: the better of two
 // noisy scores is too high [log odds].
 constexpr double kClearlyBetter = 1;
-// What all edges of an object may be off together: of poses found in made scans of development, 92 %
-// then lie in the region that should hold 90 %, and 88 % of others [pixel].
-constexpr float kSharedError = 0.3F;
+// What all measurements of an object may be off together: of poses found in made scans of development,
+// 93 % then lie in the region that should hold 90 %, and 88 % of others [pixel].
+constexpr float kSharedError = 0.2F;
 // Poses that differ by less are the same for edges [pixel].
 constexpr float kApart = 0.5F;
 // Refined poses farther from the proposed one, in diameters, are other poses.
