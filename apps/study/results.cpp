@@ -407,6 +407,7 @@ Result<std::vector<LibraryRow>> library_rows(const StudyPlan& plan, const StudyF
     row.use.peak_bytes = std::max(row.use.peak_bytes, use->peak_bytes);
   }
   std::vector<LibraryRow> out;
+  out.reserve(rows.size());
   for (const auto& [num_models, row] : rows) out.push_back(row);
   return out;
 }

@@ -77,6 +77,7 @@ std::vector<StageSeconds> stage_seconds(std::span<const std::optional<SceneResul
   }
   if (!totals.empty()) stages.emplace_back("total", std::move(totals));
   std::vector<StageSeconds> out;
+  out.reserve(stages.size());
   for (const auto& [stage, values] : stages)
     out.push_back({stage, *quantile(values, 0.5), *quantile(values, 0.95)});
   return out;

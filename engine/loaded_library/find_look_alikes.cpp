@@ -26,6 +26,7 @@ std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> fra
   std::ranges::sort(near);
   near.resize(std::min(near.size(), kMostCompared));
   std::vector<std::uint32_t> models;
+  models.reserve(near.size());
   for (const auto& [difference, m] : near) models.push_back(m);
   return models;
 }
@@ -66,6 +67,7 @@ Result<std::vector<LookAlike>> find_look_alikes(const Library& library,
                    [](const auto& a, const auto& b) { return a.first < b.first; });
   found.resize(std::min(found.size(), kMostLookAlikes));
   std::vector<LookAlike> look_alikes;
+  look_alikes.reserve(found.size());
   for (const auto& [distance, look_alike] : found) look_alikes.push_back(look_alike);
   return look_alikes;
 }

@@ -23,18 +23,9 @@ constexpr float kSameRotationRad = 0.035F;
 /// Choice of poses from the first on, with a limit per place on its part of the budget.
 class Spread {
  public:
-  Spread(const PoseTable& table, const ModelInfo& model, std::size_t limit_a_place)
-      : table_(table), model_(model), limit_a_place_(limit_a_place) {}
+  Spread(const PoseTable& table, const ModelInfo& model) : table_(table), model_(model) {}
 
-  /// Add rows with scores above a minimum in this order, until there are `limit` in total: first
-  /// few a place, then further ones.
-  void add(std::span<const Row> order, float least_score, std::size_t limit) {
-    add(order, least_score, limit, limit_a_place_);
-    add(order, least_score, limit, kFurther * limit_a_place_);
-  }
-  std::vector<Row> chosen() && { return std::move(chosen_); }
-
- private:
+  /// Add rows with scores above a minimum in this order, until there are `limit` in total.
   void add(std::span<const Row> order, float least_score, std::size_t limit,
            std::size_t limit_a_place) {
     for (const Row row : order) {
@@ -50,10 +41,17 @@ class Spread {
       centers_.push_back(center);
     }
   }
+  /// As `add`: first few a place, then further ones.
+  void add_deep(std::span<const Row> order, float least_score, std::size_t limit,
+                std::size_t limit_a_place) {
+    add(order, least_score, limit, limit_a_place);
+    add(order, least_score, limit, kFurther * limit_a_place);
+  }
+  std::vector<Row> chosen() && { return std::move(chosen_); }
 
+ private:
   const PoseTable& table_;
   const ModelInfo& model_;
-  std::size_t limit_a_place_;
   std::vector<Row> chosen_;
   std::vector<Eigen::Vector3f> centers_;
 };
@@ -61,6 +59,7 @@ class Spread {
 std::vector<Row> without_repetitions(PoseTable& table, std::span<const Row> rows,
                                      const ModelInfo& model) {
   std::vector<Row> kept;
+  kept.reserve(rows.size());
   for (const Row row : by_falling(table.score, rows)) {
     const auto known = std::ranges::find_if(kept, [&](Row other) {
       const kernels::PoseDistance distance = kernels::pose_distance(
@@ -85,6 +84,7 @@ std::vector<Row> choose_of_each_model(
   std::map<std::uint32_t, std::vector<Row>> by_model;
   for (const Row row : rows) by_model[table.model[row]].push_back(row);
   std::vector<std::pair<const std::uint32_t, std::vector<Row>>*> all;
+  all.reserve(by_model.size());
   for (auto& of_model : by_model) all.push_back(&of_model);
   for_each_index(all.size(), [&](std::size_t k) {
     auto& [model, of_model] = *all[k];
@@ -98,17 +98,18 @@ std::vector<Row> choose_of_each_model(
 
 std::vector<Row> choose_to_judge(const PoseTable& table, std::span<const Row> rows,
                                  const ModelInfo& model, std::size_t max_refined) {
-  Spread first(table, model, kContourShare * kRefinedAPlace);
-  first.add(by_falling(table.share, rows), 0, max_refined / 2);
-  first.add(by_falling(table.score, rows), 0, kContourShare * max_refined);
+  constexpr std::size_t kAPlace = kContourShare * kRefinedAPlace;
+  Spread first(table, model);
+  first.add_deep(by_falling(table.share, rows), 0, max_refined / 2, kAPlace);
+  first.add_deep(by_falling(table.score, rows), 0, kContourShare * max_refined, kAPlace);
   return std::move(first).chosen();
 }
 
 std::vector<Row> choose_to_refine(const PoseTable& table, std::span<const Row> rows,
                                   const ModelInfo& model, std::size_t max_refined) {
-  Spread best(table, model, kRefinedAPlace);
-  best.add(by_falling(table.score, rows), 0, max_refined - max_refined / 2);
-  best.add(by_falling(table.share, rows), 0, max_refined);
+  Spread best(table, model);
+  best.add_deep(by_falling(table.score, rows), 0, max_refined - max_refined / 2, kRefinedAPlace);
+  best.add_deep(by_falling(table.share, rows), 0, max_refined, kRefinedAPlace);
   return std::move(best).chosen();
 }
 
@@ -116,8 +117,15 @@ std::vector<Row> choose_to_examine(PoseTable& table, std::span<const Row> rows,
                                    const ModelInfo& model, std::size_t max_examined,
                                    float least_score) {
   const std::vector<Row> poses = without_repetitions(table, rows, model);
-  Spread best(table, model, kExaminedAPlace);
-  best.add(by_falling(table.score, poses), least_score, max_examined);
+  Spread best(table, model);
+  const std::vector<Row> order = by_falling(table.score, poses);
+  if (model.near_axis) {
+    // Turns about this axis are compared with each other (settle_alternatives). The one of many tested
+    // that fits its noise best would seem surer than it is.
+    best.add(order, least_score, max_examined, kExaminedAPlace);
+  } else {
+    best.add_deep(order, least_score, max_examined, kExaminedAPlace);
+  }
   return std::move(best).chosen();
 }
 
