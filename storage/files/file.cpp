@@ -66,6 +66,19 @@ bool write_all(int descriptor, std::span<const std::byte> bytes) {
   return true;
 }
 
+/// Whether a path leads to something that is written to, not replaced: a device such as /dev/null, a
+/// pipe, a terminal.
+bool is_stream(const std::filesystem::path& file) noexcept {
+  struct stat found {};
+  return ::stat(file.c_str(), &found) == 0 && (S_ISCHR(found.st_mode) || S_ISFIFO(found.st_mode) ||
+                                               S_ISSOCK(found.st_mode) || S_ISBLK(found.st_mode));
+}
+
+Error cannot_write(const std::filesystem::path& file, std::size_t bytes) {
+  return {write_error(errno, ErrorCode::io),
+          fmt::format("{}: writing {} bytes failed: {}", file.string(), bytes, errno_text())};
+}
+
 void advise(std::span<const std::byte> mapped, int advice) noexcept {
   const auto at = reinterpret_cast<std::uintptr_t>(mapped.data());
   const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
@@ -111,6 +124,12 @@ std::filesystem::path behind_links(const std::filesystem::path& file) {
 
 Result<PendingFile> PendingFile::create(const std::filesystem::path& given) {
   PendingFile file;
+  if (is_stream(given)) {
+    return Error{ErrorCode::cannot_create,
+                 fmt::format("{}: expected a file, found a device or a pipe, which cannot be "
+                             "replaced by one",
+                             given.string())};
+  }
   const std::filesystem::path target = behind_links(given);
   file.target_ = target;
   const auto folder = folder_of(target);
@@ -198,12 +217,14 @@ void remove_pending_files(const std::filesystem::path& given) noexcept {
 }
 
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes) {
-  TRIVET_TRY_ASSIGN(auto pending, PendingFile::create(file));
-  if (!write_all(pending.descriptor(), bytes)) {
-    return Error{
-        write_error(errno, ErrorCode::io),
-        fmt::format("{}: writing {} bytes failed: {}", file.string(), bytes.size(), errno_text())};
+  if (is_stream(file)) {
+    const Descriptor stream(::open(file.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY));
+    if (!stream) return cannot_create(file);
+    if (!write_all(stream.get(), bytes)) return cannot_write(file, bytes.size());
+    return {};
   }
+  TRIVET_TRY_ASSIGN(auto pending, PendingFile::create(file));
+  if (!write_all(pending.descriptor(), bytes)) return cannot_write(file, bytes.size());
   return pending.publish();
 }
 

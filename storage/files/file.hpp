@@ -101,7 +101,7 @@ std::filesystem::path behind_links(const std::filesystem::path& file);
 class PendingFile {
  public:
   /// Create with a temporary name in the folder of the target; removed unless published. Errors:
-  /// cannot_create.
+  /// cannot_create (also for a device or a pipe).
   static Result<PendingFile> create(const std::filesystem::path& target);
   /// Create with an unused name in the same file system; stays there if not published. Errors:
   /// cannot_create.
@@ -147,7 +147,8 @@ class PendingFile {
 /// stay.
 void remove_pending_files(const std::filesystem::path& target) noexcept;
 
-/// Write bytes as a PendingFile and publish it. Errors: cannot_create, io.
+/// Write bytes as a PendingFile and publish it; what is a device or a pipe is written to, and waits
+/// for its reader. Errors: cannot_create, io.
 Result<void> publish_file(const std::filesystem::path& file, std::span<const std::byte> bytes);
 
 /// Create a folder and its missing parents. Errors: cannot_create.

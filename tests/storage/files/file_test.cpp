@@ -1,11 +1,16 @@
 #include "storage/files/file.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <iterator>
 
+#include "storage/files/descriptor.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {
@@ -71,6 +76,29 @@ TEST(PublishFile, LeavesNothingWhereItCannotWrite) {
   EXPECT_EQ(no_folder.error().code, ErrorCode::cannot_create);
   EXPECT_EQ(published.error().code, ErrorCode::cannot_create);
   EXPECT_EQ(count_files(folder.path()), 1);
+}
+
+// A program of root that replaces /dev/null by a file breaks all others.
+TEST(PublishFile, WritesToPipesAndDevicesInsteadOfReplacingThem) {
+  const test::TempDir folder;
+  const fs::path pipe = folder / "pipe", device = folder / "device";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  fs::create_symlink("/dev/null", device);
+  const Descriptor reader(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC));
+  ASSERT_TRUE(reader);
+  ASSERT_TRUE(publish_file(pipe, bytes_of("result")));
+  ASSERT_TRUE(publish_file(device, bytes_of("result")));
+  std::array<char, 16> read{};
+  EXPECT_EQ(::read(reader.get(), read.data(), read.size()), 6);
+  EXPECT_EQ(std::string_view(read.data()), "result");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_TRUE(fs::is_symlink(device) && fs::is_character_file(device));
+  EXPECT_EQ(count_files(folder.path()), 2);
+  for (const fs::path& file : {pipe, device}) {
+    const auto pending = PendingFile::create(file);
+    ASSERT_FALSE(pending) << "a library is no stream of bytes";
+    EXPECT_EQ(pending.error().code, ErrorCode::cannot_create);
+  }
 }
 
 TEST(ReleasePagesAround, LeavesAllBytesAsTheyWere) {
