@@ -11,6 +11,7 @@ import {
   pointWords,
   quaternionWords,
   scoreWords,
+  sigmaWords,
   turnWords,
   visibilityWords,
 } from "./words.js";
@@ -30,11 +31,12 @@ function detailsOf({ kind, pose }, { unit, scoreParts, aboutPose }) {
       ["position", `${pointWords(position(pose), unit)} in the scan's frame`],
       ["turned by", turnWords(orientation)],
       ["quaternion", `${quaternionWords(orientation)} (x, y, z, w)`],
+      pose.pose_sigma && ["how sure", sigmaWords(pose.pose_sigma, unit)],
       found && ["outline free", percentWords(pose.contour)],
       found && ["looked through", percentWords(pose.violation)],
       found && ["proposed by", methodWords(pose.method)],
       found && pose.words && ["costs it most", pose.words],
-      pose.ambiguous && [
+      pose.alternatives?.length > 0 && [
         "ambiguous",
         `the scan cannot tell it from ${numbered(pose.alternatives.length, "other pose", "other poses")},` +
           " drawn as outlines",

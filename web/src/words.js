@@ -19,6 +19,16 @@ export function pointWords(point, unit) {
   return `${point.map(number).join(", ")} ${unit}`;
 }
 
+/** How far off a pose may be: a standard deviation along and about each axis of the model. */
+export function sigmaWords({ translation, rotation_deg: turns }, unit) {
+  const listed = (values, words) => values.map(words).join(", ");
+  const degrees = (value) => `${figures(value, 2)}°`;
+  return (
+    `± ${listed(translation, (value) => lengthWords(value, unit))} along the model's x, y, z;` +
+    ` ± ${listed(turns, degrees)} about them`
+  );
+}
+
 /** What tells a candidate from the model that is named first. */
 export function candidateWords({ model, share, rays, differs }, unit) {
   const name = `${model} ${percentWords(share)}`;

@@ -167,6 +167,23 @@ test("a pose tells how it is turned", async ({ page }) => {
   expect(Math.abs(Math.hypot(...axis) - 1)).toBeLessThan(0.02);
 });
 
+test("a pose tells how far off it may be", async ({ page }) => {
+  const { detections } = await openExample(page);
+  await foundRows(page).first().click();
+  const words = await page
+    .locator("#found .terms > div", { hasText: "how sure" })
+    .locator("dd")
+    .first()
+    .textContent();
+  const numbers = words.match(/[\d.]+/g).map(Number);
+  const { translation, rotation_deg: turns } = detections[0].pose_sigma;
+  expect(numbers).toHaveLength(6);
+  [...translation, ...turns].forEach((value, k) =>
+    expect(Math.abs(numbers[k] - value)).toBeLessThan(0.06 * value + 1e-3),
+  );
+  expect(words).toContain("mm along the model's x, y, z");
+});
+
 test("of an object beyond the scan's border it is said what is outside", async ({ page }) => {
   await page.route("**/v1/recognize?*", async (route) => {
     const response = await route.fetch();
