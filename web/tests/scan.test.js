@@ -178,7 +178,8 @@ test("a pose tells how far off it may be", async ({ page }) => {
   const numbers = words.match(/[\d.]+/g).map(Number);
   const { translation, rotation_deg: turns } = detections[0].pose_sigma;
   expect(numbers).toHaveLength(6);
-  [...translation, ...turns].forEach((value, k) =>
+  const millimeters = translation.map((length) => 1000 * length); // the example is in meters
+  [...millimeters, ...turns].forEach((value, k) =>
     expect(Math.abs(numbers[k] - value)).toBeLessThan(0.06 * value + 1e-3),
   );
   expect(words).toContain("mm along the model's x, y, z");
