@@ -41,4 +41,11 @@ Result<std::vector<const ModelPairs*>> pairs_of(const Library& library,
   return parts_of(library, models, ModelPart::pairs, &Library::pairs);
 }
 
+Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model) {
+  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
+  const ModelInfo& info = library.models[model];
+  return kernels::ModelSamples{own->samples,        own->sample_normals, own->sample_views,
+                               info.sample_spacing, info.diameter,       info.center};
+}
+
 }  // namespace trivet::engine

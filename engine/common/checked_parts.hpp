@@ -1,10 +1,11 @@
-/// Parts of several models, checked in parallel.
+/// Parts of models, checked; of several in parallel.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "kernels/surfaces/model_samples.hpp"
 #include "storage/common/result.hpp"
 #include "storage/library/library.hpp"
 
@@ -16,5 +17,8 @@ Result<std::vector<const ModelSamples*>> samples_of(const Library& library,
                                                     std::span<const std::uint32_t> models);
 Result<std::vector<const ModelPairs*>> pairs_of(const Library& library,
                                                 std::span<const std::uint32_t> models);
+
+/// The samples of a model for kernels. Errors: bad_data (damaged).
+Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model);
 
 }  // namespace trivet::engine

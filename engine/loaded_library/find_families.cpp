@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/loaded_library/find_look_alikes.hpp"
 

@@ -33,13 +33,6 @@ std::vector<std::uint32_t> spread_alike(std::span<const kernels::ShapeFrame> fra
 
 }  // namespace
 
-Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model) {
-  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
-  const ModelInfo& info = library.models[model];
-  return kernels::ModelSamples{own->samples,        own->sample_normals, own->sample_views,
-                               info.sample_spacing, info.diameter,       info.center};
-}
-
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library) {
   std::vector<std::uint32_t> all(library.models.size());
   std::iota(all.begin(), all.end(), 0U);

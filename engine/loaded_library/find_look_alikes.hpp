@@ -24,9 +24,6 @@ inline constexpr float kCoinciding = 0.5F;
 /// kernels::compare_poses takes two surfaces for different.
 constexpr float coinciding_distance(float diameter) noexcept { return 0.008F * diameter; }
 
-/// The samples of a model for kernels. Errors: bad_data (damaged).
-Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model);
-
 /// Shape frames by model of the library. Errors: bad_data (the samples of a model are damaged).
 Result<std::vector<kernels::ShapeFrame>> shape_frames(const Library& library);
 

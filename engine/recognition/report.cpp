@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
-#include "engine/loaded_library/find_look_alikes.hpp"
 #include "kernels/symmetry/find_difference.hpp"
 
 namespace trivet::engine {

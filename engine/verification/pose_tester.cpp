@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "engine/common/checked_parts.hpp"
 #include "kernels/common/pose_math.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/verification/reach_behind.hpp"
@@ -49,11 +50,8 @@ constexpr float kLeastError = 0.05F;
 }  // namespace
 
 Result<TestedModel> tested_model(const Library& library, std::uint32_t model) {
-  TRIVET_TRY_ASSIGN(const ModelSamples* const own, library.samples(model));
-  const ModelInfo& info = library.models[model];
-  return TestedModel{info,
-                     {own->samples, own->sample_normals, own->sample_views, info.sample_spacing,
-                      info.diameter, info.center},
+  TRIVET_TRY_ASSIGN(const kernels::ModelSamples samples, kernel_samples(library, model));
+  return TestedModel{library.models[model], samples,
                      library.shape(model).quantization.distance_step};
 }
 
@@ -75,10 +73,14 @@ float PoseTester::pixel_at(const Pose& pose) const {
   return range_of(pose) / scene_.images.front().geometry.fx;
 }
 
+float PoseTester::tolerance_at(const Pose& pose) const {
+  return std::max(options_.verify.tolerance_sigmas * error_at(pose),
+                  options_.verify.tolerance_diameters * model_.diameter);
+}
+
 kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
   kernels::VerifyOptions strict;
-  strict.tolerance = std::max(options_.verify.tolerance_sigmas * error_at(pose),
-                              options_.verify.tolerance_diameters * model_.diameter);
+  strict.tolerance = tolerance_at(pose);
   strict.plane_is_background = background_;
   strict.bearing_plane = bearing_plane(pose, strict.tolerance);
   return strict;
@@ -104,10 +106,10 @@ std::uint8_t PoseTester::bearing_plane(const Pose& pose, float tolerance) const 
 /// deeper than its errors and those of the plane explain, or in a hole, as a screw that bears on
 /// the plane is. Where something lies on the model, or is part of what is there, it may be another
 /// part that is turned over: its mirror image, whose raised parts the hidden ones take for holes.
-float PoseTester::depth_in_ground(const Pose& pose, const FullTest& test) const {
+float PoseTester::depth_in_ground(const Pose& pose, const FullTest& test,
+                                  std::uint8_t bearing) const {
   const bool is_clear = !(test.examination.overlaid > 0);
   const kernels::RangeImage& image = scene_.images.front();
-  const std::uint8_t bearing = bearing_plane(pose, test.largest_tolerance);
   for (std::size_t k = 0; k < background_.size(); ++k) {
     if (background_[k] == 0 || scene_.ground[k] == 0) continue;
     if (is_clear && k + 1 == bearing) continue;
@@ -152,7 +154,7 @@ kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
 }
 
 Pose PoseTester::refined(const Pose& pose) const {
-  const float tolerance = strict(pose).tolerance;
+  const float tolerance = tolerance_at(pose);
   kernels::RefineOptions sparse;
   sparse.num_samples = kRefineSamples;
   sparse.first_gate = std::max(1.5F * distance_step_, 2 * tolerance);
@@ -165,7 +167,7 @@ Pose PoseTester::polished(const Pose& pose) const {
   kernels::RefineOptions dense;
   dense.num_samples = samples_.points.size();
   dense.max_iterations = 3;
-  dense.first_gate = dense.last_gate = strict(pose).tolerance;
+  dense.first_gate = dense.last_gate = tolerance_at(pose);
   dense.max_translation = kMostShift * model_.diameter;
   return refined(pose, dense);
 }
@@ -176,7 +178,7 @@ Pose PoseTester::sharpened(const Pose& pose) const {
   kernels::RefineOptions narrowing;
   narrowing.num_samples = samples_.points.size();
   narrowing.max_iterations = kNarrowings;
-  narrowing.first_gate = strict(pose).tolerance;
+  narrowing.first_gate = tolerance_at(pose);
   narrowing.last_gate =
       std::min(narrowing.first_gate, options_.verify.tolerance_sigmas * error_at(pose));
   narrowing.max_translation = kMostShift * model_.diameter;
@@ -294,7 +296,7 @@ TestedPose PoseTester::examine_once(const kernels::RayScene& surface,
   // In scans without background nothing beside the object is measured, and small models would fit
   // anywhere. On rendered scenes, 99.4 % of the correct poses pass.
   const bool mostly_unknown = e.unknown > e.consistent;
-  test.depth_in_ground = depth_in_ground(pose, test);
+  test.depth_in_ground = depth_in_ground(pose, test, options.verify.bearing_plane);
   if (!looked_through && !mostly_unknown && !(test.depth_in_ground > 0))
     tested.score = kernels::pose_probability(score, test.parts);
   return tested;

@@ -93,7 +93,10 @@ class PoseTester {
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
   std::uint8_t bearing_plane(const Pose& pose, float tolerance) const;
-  float depth_in_ground(const Pose& pose, const FullTest& test) const;
+  /// bearing  see VerifyOptions::bearing_plane
+  float depth_in_ground(const Pose& pose, const FullTest& test, std::uint8_t bearing) const;
+  /// Tolerance of residuals of a refined pose [library unit].
+  float tolerance_at(const Pose& pose) const;
   /// Width of a pixel where the model is [scene unit].
   float pixel_at(const Pose& pose) const;
 

@@ -1,6 +1,8 @@
 #include "kernels/scans/ground_planes.hpp"
 
-#include "storage/common/stop.hpp"
+#include <utility>
+
+#include "kernels/scans/connected_pixels.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -9,27 +11,13 @@ constexpr float kApart = 2;  // thicknesses: both surfaces scatter by one
 
 /// Whether a patch of at least `size` connected pixels has a mark; removes the marks.
 bool has_patch(std::size_t width, std::size_t size, std::vector<std::uint8_t>& marks) {
-  std::vector<std::uint32_t> open;
-  StopCheck check_stop(1 << 16);
-  const std::size_t n = marks.size();
-  for (std::size_t first = 0; first < n; ++first) {
-    const auto visit = [&](std::size_t pixel) {
-      if (marks[pixel] == 0) return;
-      marks[pixel] = 0;
-      open.push_back(static_cast<std::uint32_t>(pixel));
-    };
+  ConnectedPixels connected(width, marks.size());
+  for (std::size_t first = 0; first < marks.size(); ++first) {
     std::size_t count = 0;
-    visit(first);
-    while (!open.empty()) {
-      check_stop();
-      const std::size_t pixel = open.back(), column = pixel % width;
-      open.pop_back();
-      if (++count == size) return true;
-      if (column > 0) visit(pixel - 1);
-      if (column + 1 < width) visit(pixel + 1);
-      if (pixel >= width) visit(pixel - width);
-      if (pixel + width < n) visit(pixel + width);
-    }
+    connected.grow(
+        first, [&](std::size_t pixel) { return std::exchange(marks[pixel], 0) != 0; },
+        [&](std::size_t) { ++count; });
+    if (count >= size) return true;
   }
   return false;
 }

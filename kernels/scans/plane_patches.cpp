@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "storage/common/stop.hpp"
+#include "kernels/scans/connected_pixels.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -25,29 +26,20 @@ std::vector<float> largest_patches(const RangeImage& image, std::span<const Plan
   const std::size_t width = geometry.width, n = image.near_plane.size();
   std::vector<float> largest(planes.size(), 0);
   std::vector<std::uint8_t> visited(n, 0);
-  std::vector<std::uint32_t> open;
-  StopCheck check_stop(1 << 16);
+  ConnectedPixels connected(width, n);
   for (std::size_t first = 0; first < n; ++first) {
     const std::uint8_t label = image.near_plane[first];
     if (label == 0 || visited[first] != 0) continue;
     const Plane& plane = planes[label - 1U];
-    const auto visit = [&](std::size_t pixel) {
-      if (image.near_plane[pixel] != label || visited[pixel] != 0) return;
-      visited[pixel] = 1;
-      open.push_back(static_cast<std::uint32_t>(pixel));
-    };
     double area = 0;
-    visit(first);
-    while (!open.empty()) {
-      check_stop();
-      const std::size_t pixel = open.back(), column = pixel % width;
-      open.pop_back();
-      area += static_cast<double>(pixel_area(geometry, plane, pixel, image.depth[pixel]));
-      if (column > 0) visit(pixel - 1);
-      if (column + 1 < width) visit(pixel + 1);
-      if (pixel >= width) visit(pixel - width);
-      if (pixel + width < n) visit(pixel + width);
-    }
+    connected.grow(
+        first,
+        [&](std::size_t pixel) {
+          return image.near_plane[pixel] == label && std::exchange(visited[pixel], 1) == 0;
+        },
+        [&](std::size_t pixel) {
+          area += static_cast<double>(pixel_area(geometry, plane, pixel, image.depth[pixel]));
+        });
     largest[label - 1U] = std::max(largest[label - 1U], static_cast<float>(area));
   }
   return largest;

@@ -123,9 +123,6 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
                     const Pose& start, const RefineOptions& options) noexcept {
   Refined refined{start, 0, false};
   Pose& pose = refined.T_scene_model;
-  const auto is_background = [planes = options.plane_is_background](std::uint8_t plane) {
-    return plane > 0 && plane <= planes.size() && planes[plane - 1] != 0;
-  };
   const float shrink = std::pow(options.last_gate / options.first_gate,
                                 1.0F / static_cast<float>(std::max(1, options.max_iterations - 1)));
   const float min_cosine = std::cos(options.max_normal_angle_rad);
@@ -147,7 +144,8 @@ Refined refine_pose(std::span<const RangeImage> images, const ModelSamples& samp
           pulls.index[pulls.count] = static_cast<std::int32_t>(i);
           pulls.count +=
               posed.is_visible(first + i) && block.column[i] >= 0 &&
-              !is_background(
+              !is_background_plane(
+                  options.plane_is_background,
                   image.plane[static_cast<std::size_t>(block.row[i]) * image.geometry.width +
                               static_cast<std::size_t>(block.column[i])]);
         }

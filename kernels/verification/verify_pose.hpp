@@ -11,6 +11,14 @@
 
 namespace trivet::kernels {
 
+/// Whether a pixel's plane number (0: none) belongs to a background plane.
+///
+/// plane_is_background  one per plane number from 1 on
+inline bool is_background_plane(std::span<const std::uint8_t> plane_is_background,
+                                std::uint8_t plane) noexcept {
+  return plane > 0 && plane <= plane_is_background.size() && plane_is_background[plane - 1] != 0;
+}
+
 struct VerifyOptions {
   float tolerance = 0;  ///< largest perpendicular distance of agreement [scene unit], > 0
   float max_normal_angle_rad = 0.8F;  ///< largest angle between model and scene normals
@@ -22,7 +30,7 @@ struct VerifyOptions {
 
   /// Whether a pixel's plane number (0: none) belongs to a background plane.
   bool is_background(std::uint8_t plane) const noexcept {
-    return plane > 0 && plane <= plane_is_background.size() && plane_is_background[plane - 1] != 0;
+    return is_background_plane(plane_is_background, plane);
   }
   /// Whether it belongs to a plane that the model cannot reach behind.
   bool is_solid(std::uint8_t plane) const noexcept {
