@@ -99,7 +99,7 @@ Eigen::Vector2f direction_away(const ExaminedRays& rays, const RayEnd& end) {
 
 void EdgeEquations::add(const ExaminedRays& rays, const RayEnd& end) {
   const std::optional<float> pixels = distance_to_edge(rays, end);
-  if (!pixels) return;
+  if (!pixels || rays.is_open_at(end)) return;
   const Eigen::Vector2f across = direction_away(rays, end);
   const float along =
       across.x() * static_cast<float>(end.di) + across.y() * static_cast<float>(end.dj);

@@ -36,6 +36,8 @@ struct RayHit {
 /// Keeps references to all arguments. examine_pose writes the state and the residual of each ray.
 struct ExaminedRays {
   static constexpr int kMargin = 4;  ///< rays beyond an outline, wider than any hole of a cloud
+  static constexpr float kSameSurface = 1e-4F;  ///< of the diameter: rounding errors are smaller
+  static constexpr float kInside = 0.25F;       ///< [pixel]
   static constexpr int kAround = 3;  ///< rays around an outline that determine its direction
 
   ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
@@ -94,6 +96,22 @@ struct ExaminedRays {
     hit.length = ray.norm();
     hit.facing = -hit.normal.dot(ray) / hit.length;
     return hit;
+  }
+
+  /// Whether the model's surface is open at an end: a ray just before it meets the surface once. What
+  /// the model is a part of may go on beyond.
+  bool is_open_at(const RayEnd& end) const {
+    const Pose T_model_camera = T_camera_model.inverse();
+    const Eigen::Vector3f origin = T_model_camera.translation();
+    const Eigen::Vector3f direction =
+        T_model_camera.linear() *
+        Eigen::Vector3f(ray_through(geometry, crop.u(end.i), crop.v(end.j)) -
+                        Eigen::Vector3f(kInside * static_cast<float>(end.di) / geometry.fx,
+                                        kInside * static_cast<float>(end.dj) / geometry.fy, 0));
+    const float beyond = depth_at(end.i, end.j) + 2 * diameter;
+    const Hit first = surface.intersect(origin, direction, 0, beyond);
+    const Hit last = surface.intersect(origin + beyond * direction, -direction, 0, beyond);
+    return first && !(beyond - last.distance > first.distance + kSameSurface * diameter);
   }
 
   /// Whether the scene falls back behind the model at a pixel next to a hit: it is farther, or lies

@@ -123,7 +123,7 @@ bool judge_beyond(const ExaminedRays& rays, const RayEnd& end, Examination& out)
   out.outline += length;
   if (open) {
     out.outline_free += length;
-  } else if (judged) {
+  } else if (judged && !rays.is_open_at(end)) {
     const bool touches = creases(rays, rays.crop.u(i), rays.crop.v(j), di, dj);
     (touches ? out.outline_touching : out.outline_crossed) += length;
     if (!touches) rays.record(RayVerdict::runs_on, hit.place);

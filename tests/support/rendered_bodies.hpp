@@ -76,4 +76,14 @@ inline const Body& brick() {
   static const Body body({0.1F, 0.06F, 0.04F});
   return body;
 }
+
+/// The two triangles of the brick's front: a part of its surface, as a scan of it is.
+inline const Body& front_of_brick() {
+  Shape front;
+  front.add({-0.1F, -0.06F, -0.04F}, {-0.1F, 0.06F, -0.04F}, {0.1F, 0.06F, -0.04F},
+            {0.1F, -0.06F, -0.04F});
+  static const Body body(std::move(front), brick().samples.diameter);
+  return body;
+}
+
 }  // namespace trivet::test

@@ -15,6 +15,7 @@ namespace {
 using Eigen::Vector3f;
 using test::Body;
 using test::brick;
+using test::front_of_brick;
 using test::kFar;
 using test::render;
 
@@ -77,6 +78,12 @@ TEST(PoseEquations, HoldASlideByEdgesAloneWhereTheSceneFallsBack) {
   RangeImage in_contact = image;
   for (float& depth : in_contact.depth) depth = depth == kFar ? 0.6F : depth;
   EXPECT_LT(information_on_slide(in_contact), 1) << "the face goes on";
+}
+
+TEST(PoseEquations, TakeNoEdgeForTheEndOfAnOpenSurface) {
+  const RangeImage image = render({{&brick(), kFacing}});
+  EXPECT_LT(equations_of(image, front_of_brick(), kFacing).information(3, 3), 1)
+      << "what the front is a part of may be wider";
 }
 
 /// The image without the outermost pixels of what is nearer than the wall.

@@ -17,6 +17,7 @@ using test::Body;
 using test::brick;
 using test::examine;
 using test::examine_lowered;
+using test::front_of_brick;
 using test::kFar;
 using test::render;
 
@@ -34,6 +35,18 @@ TEST(JudgeOutline, FindsWhereTheSceneRunsOn) {
   const Examination table = examine(labeled, brick(), flat);
   EXPECT_EQ(table.outline_crossed, 0) << "things stand on a table";
   EXPECT_EQ(table.consistent, 0) << "and are not made of it";
+}
+
+TEST(JudgeOutline, LetsTheSceneRunOnBeyondAnOpenSurface) {
+  const Body plate({0.3F, 0.3F, 0.04F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Examination part = examine(render({{&plate, flat}}), front_of_brick(), flat);
+  EXPECT_EQ(part.consistent, part.covered);
+  EXPECT_EQ(part.outline_crossed, 0);
+  EXPECT_EQ(part.outline_free, 0);
+  EXPECT_GT(part.outline, 100);
+  const Examination alone = examine(render({{&brick(), flat}}), front_of_brick(), flat);
+  EXPECT_EQ(alone.outline_free, alone.outline) << "it may as well end there";
 }
 
 /// The front of a brick on a table a little behind it, all with normals.
