@@ -244,6 +244,30 @@ TEST(ChooseVoters, ReadsMarksOfSeveralImagesOneAfterTheOther) {
   expect_unexplained_points_only(scene, marked);
 }
 
+// What is far away for its size cannot be tested there.
+TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
+  engine::PreparedScene scene;
+  scene.view.kind = SceneKind::image;
+  kernels::RangeImage& image = scene.images.emplace_back();
+  image.geometry = {Pose::Identity(), 500, 500, 319.5F, 239.5F, 640, 480};
+  for (int k = 0; k < 40; ++k) {
+    scene.points.push_back({0.02F * static_cast<float>(k), 0, 0.1F * static_cast<float>(k + 1)});
+    scene.normals.push_back({0, 0, -1});
+  }
+  const auto farthest = [&](float diameter) {
+    const engine::SceneSample sample = engine::sample_scene(scene, 0.01F, diameter);
+    return sample.points.size() == 0 ? 0 : sample.points[sample.points.size() - 1].z();
+  };
+  scene.sensor = {.range = 1, .noise = 0};
+  EXPECT_FLOAT_EQ(farthest(0.05F), 0.9F) << "beyond 1 m it is less than 25 pixels wide";
+  EXPECT_FLOAT_EQ(farthest(0.5F), 4);
+  scene.sensor.noise = 0.001F;  // 25 mm are 25 errors
+  scene.sensor.exponent = 2;
+  EXPECT_FLOAT_EQ(farthest(0.1F), 1.9F) << "its error is 4 mm at 2 m";
+  scene.view.kind = SceneKind::surface;
+  EXPECT_FLOAT_EQ(farthest(0.05F), 4) << "a closed surface has no sensor";
+}
+
 // Points in front of or behind an explained surface are not explained by it.
 TEST(ChooseVoters, KeepsPointsAtOtherDepthsThanTheMarkedPixels) {
   engine::PreparedScene scene = prepare(two_parts(), {});
