@@ -44,7 +44,7 @@ inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_pre
   static const std::map<std::string, RecognizeOptions, std::less<>> presets{
       {"fast",
        {.vote = {.reference_share = 0.05F},
-        .later = {.radius = 0.7F, .reference_share = 0.1F, .max_votes = 60000},
+        .later = {.radius = 0.7F, .reference_share = 0.05F, .max_votes = 30000},
         .pose = {.max_clusters = 200, .max_refined = 20, .max_examined = 10}}},
       {"balanced", {}},
       {"accurate",

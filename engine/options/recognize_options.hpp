@@ -54,7 +54,7 @@ enum class Grouping : std::uint8_t {
 struct MatchOptions {
   Detector detector = Detector::uniform;
   float spacing = 3;  ///< spacing of a scene's keypoints [resolutions of the models]
-  /// Maximum number of described keypoints, subsampled evenly.
+  /// Maximum number of described keypoints, subsampled evenly; three tenths of it after votes.
   std::uint32_t max_keypoints = 10000;
   /// Limits for keypoints; flat, border and unstable ones are dropped.
   kernels::FrameLimits limits{};
@@ -124,8 +124,8 @@ struct RecognizeOptions {
   std::optional<float> normal_window{};
   VoteOptions vote{};
   /// Options of voting in later rounds, which have less to search but harder objects to find: small
-  /// objects in strong noise need pairs from farther apart, occluded ones more references.
-  VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 60000};
+  /// objects in strong noise need pairs from farther apart.
+  VoteOptions later{.radius = 0.7F, .max_votes = 30000};
   MatchOptions match{};
   PoseOptions pose{};
   VerifyStageOptions verify{};

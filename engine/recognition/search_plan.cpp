@@ -9,6 +9,10 @@
 namespace trivet::engine {
 namespace {
 
+// Share of the keypoints that are described after votes. Of four draws of the points that vote in 25
+// sets of real scans, the average precision is 0.957 with all and 0.958 with these.
+constexpr std::uint32_t kTenthsAfterVotes = 3;
+
 /// Reset the options whose values alone implement an improvement in `options.ablated` to their
 /// values without it. The other improvements are switched off in the stages.
 RecognizeOptions without_ablated(RecognizeOptions options) {
@@ -114,10 +118,13 @@ VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimit
   return {options, work.voted_models};
 }
 
-/// If votes do not reach all models, the correct feature has more competitors among its neighbors,
-/// and coarser features detect what is small compared with the scan's point spacing.
-MatchPlan plan_matches(const MatchOptions& options, bool votes_reach_all) {
+/// Votes that come before leave few objects to find. If they do not reach all models, the correct
+/// feature has more competitors among its neighbors, and coarser features detect what is small
+/// compared with the scan's point spacing.
+MatchPlan plan_matches(const MatchOptions& options, bool votes_first, bool votes_reach_all) {
   MatchPlan plan{options};
+  if (votes_first)
+    plan.options.max_keypoints = std::max(1U, options.max_keypoints / 10 * kTenthsAfterVotes);
   if (votes_reach_all) return plan;
   plan.options.num_neighbors = std::max(options.num_neighbors, 10U);
   plan.options.num_lists = std::max(options.num_lists, 8U);
@@ -148,7 +155,7 @@ void plan_rounds(const RecognizeOptions& options, const Library& library, Search
       now.votes = plan_votes(is_later ? options.later : options.vote, num_models, work);
     }
     if (by_matches && (!by_votes || is_first != votes_reach_all))
-      now.matches = plan_matches(options.match, votes_reach_all);
+      now.matches = plan_matches(options.match, by_votes && votes_reach_all, votes_reach_all);
   }
 }
 
