@@ -1,11 +1,13 @@
 #include "engine/hypotheses/propose_by_votes.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/hypotheses/sample_for_models.hpp"
+#include "storage/common/clamped_integer.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -23,6 +25,25 @@ void drop_far_references(const PoseLimits& limits, double scene_scale, float rea
   });
 }
 
+/// Keep a share of the references of each level if more pairs of references and models would vote.
+void bound_pairs(const ModelGroups& models, std::size_t max_pairs,
+                 std::vector<SceneLevel>& levels) {
+  std::size_t num_pairs = 0;
+  auto level = levels.begin();
+  for (const auto& [step, of_step] : models)
+    num_pairs += (level++)->references.size() * of_step.size();
+  if (num_pairs <= max_pairs) return;
+  const double share = static_cast<double>(max_pairs) / static_cast<double>(num_pairs);
+  for (SceneLevel& bounded : levels) {
+    const std::vector<std::uint32_t> all = std::move(bounded.references);
+    const auto kept = clamped_integer(std::ceil(share * static_cast<double>(all.size())),
+                                      std::size_t{0}, all.size());
+    bounded.references.clear();
+    bounded.references.reserve(kept);
+    for (std::size_t k = 0; k < kept; ++k) bounded.references.push_back(all[k * all.size() / kept]);
+  }
+}
+
 }  // namespace
 
 VoteSource::VoteSource(const Recognizer& recognizer, const PreparedScene& scene,
@@ -35,10 +56,11 @@ VoteSource::VoteSource(const Recognizer& recognizer, const PreparedScene& scene,
 
 Result<std::vector<Proposals>> VoteSource::propose(const ModelGroups& models,
                                                    const VoteOptions& options,
-                                                   const PoseLimits& limits,
+                                                   std::size_t max_pairs, const PoseLimits& limits,
                                                    std::span<const std::uint8_t> explained) {
   const Library& library = recognizer_.library();
-  const std::vector<SceneLevel> levels = choose_all_voters(models, options, limits, explained);
+  std::vector<SceneLevel> levels = choose_all_voters(models, options, limits, explained);
+  bound_pairs(models, max_pairs, levels);
   const StageTimer timer(stats_.times, "vote");
   std::vector<Proposals> proposals;
   auto level = levels.begin();

@@ -1,6 +1,7 @@
 /// Poses from votes of the scene's point pair features.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
@@ -29,10 +30,12 @@ class VoteSource {
   /// Vote for models. Only references whose model could lie within the limits vote.
   ///
   /// models     a subset of the groups, by sampling step; a step without models is skipped
+  /// max_pairs  of a reference and a model it votes for, over all steps; of more, a like share of the
+  ///            references of each step votes
   /// explained  nonzero for pixels whose points do not vote, images concatenated; empty: none
   /// Errors: bad_data (damaged).
   Result<std::vector<Proposals>> propose(const ModelGroups& models, const VoteOptions& options,
-                                         const PoseLimits& limits,
+                                         std::size_t max_pairs, const PoseLimits& limits,
                                          std::span<const std::uint8_t> explained);
 
  private:

@@ -44,11 +44,12 @@ inline const std::map<std::string, RecognizeOptions, std::less<>>& recognize_pre
   static const std::map<std::string, RecognizeOptions, std::less<>> presets{
       {"fast",
        {.vote = {.reference_share = 0.05F},
-        .later = {.radius = 0.7F, .reference_share = 0.05F, .max_votes = 30000},
+        .later = {.radius = 0.7F, .reference_share = 0.1F, .max_votes = 30000},
         .pose = {.max_clusters = 200, .max_refined = 20, .max_examined = 10}}},
       {"balanced", {}},
       {"accurate",
-       {.vote = {.reference_share = 0.3F, .max_references = 10000},
+       {.budget = 5,
+        .vote = {.reference_share = 0.3F, .max_references = 10000},
         .later =
             {.radius = 0.7F, .reference_share = 0.4F, .max_references = 10000, .max_votes = 60000},
         .pose = {.max_clusters = 600, .max_refined = 160, .max_examined = 40}}}};

@@ -16,7 +16,8 @@ constexpr std::array<Choice, 3> kMethods{{
     {"trisi", "matches of Tri-Spin-Images (Guo et al., GRAPP 2013)"},
 }};
 constexpr std::array<Choice, 2> kSearches{{
-    {"automatic", "within a budget for the scene, which some thirty models do not use up"},
+    {"automatic",
+     "within a budget for the scene, which some thirty models on a table do not use up"},
     {"exhaustive", "each model on its own, whatever it costs: the reference"},
 }};
 constexpr std::array<Choice, 3> kDetectors{{
@@ -230,12 +231,12 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
                                      .group = kSearch,
                                      .label = "search",
                                      .help = "How the models share the work"}),
-      declare<TRIVET_FIELD(budget)>(
-          {.name = "budget",
-           .group = kSearch,
-           .label = "budget of a scene",
-           .help = "Work on a scene that large libraries may cost; more is slower and finds more",
-           .range = {0.05, 100}}),
+      declare<TRIVET_FIELD(budget)>({.name = "budget",
+                                     .group = kSearch,
+                                     .label = "budget of a scene",
+                                     .help = "Work that a scene may cost, with large libraries or "
+                                             "in large scenes; more is slower and finds more",
+                                     .range = {0.05, 100}}),
       declare<TRIVET_FIELD(pose.rounds)>(
           {.name = "rounds",
            .group = kSearch,

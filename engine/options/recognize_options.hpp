@@ -124,8 +124,8 @@ struct RecognizeOptions {
   std::optional<float> normal_window{};
   VoteOptions vote{};
   /// Options of voting in later rounds, which have less to search but harder objects to find: small
-  /// objects in strong noise need pairs from farther apart.
-  VoteOptions later{.radius = 0.7F, .max_votes = 30000};
+  /// objects in strong noise need pairs from farther apart, occluded ones more references.
+  VoteOptions later{.radius = 0.7F, .reference_share = 0.2F, .max_votes = 30000};
   MatchOptions match{};
   PoseOptions pose{};
   VerifyStageOptions verify{};

@@ -93,11 +93,12 @@ ModelGroups group_by_step(const Library& library, std::span<const std::uint32_t>
   return groups;
 }
 
-/// Maximum work per scene. Libraries of about thirty models stay below it.
+/// Maximum work per scene. Libraries of about thirty models stay below it in scenes as large as a table.
 struct WorkLimits {
   std::size_t screened = kNoLimit, refined = kNoLimit, examined = kNoLimit;
   std::size_t voted_models = kNoLimit;
-  std::size_t votes = kNoLimit;  // per reference point, over all models
+  std::size_t votes = kNoLimit;         // per reference point, over all models
+  std::size_t voting_pairs = kNoLimit;  // of a reference point and a model, in a round
 };
 
 /// No limits if nothing chooses the models to vote for.
@@ -108,14 +109,14 @@ WorkLimits work_limits(const RecognizeOptions& options, const Library& library) 
     return std::max<std::size_t>(
         1, static_cast<std::size_t>(std::llround(count * static_cast<double>(options.budget))));
   };
-  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000)};
+  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000), scaled(20000)};
 }
 
 VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimits& work) {
   const std::size_t voted = std::clamp<std::size_t>(num_models, 1, work.voted_models);
   options.max_votes = static_cast<std::uint32_t>(
       std::min<std::size_t>(options.max_votes, std::max<std::size_t>(1, work.votes / voted)));
-  return {options, work.voted_models};
+  return {options, work.voted_models, work.voting_pairs};
 }
 
 /// Votes that come before leave few objects to find. If they do not reach all models, the correct

@@ -26,6 +26,7 @@ struct VotePlan {
   VoteOptions options{};
   /// Maximum number of models; those with the best poses so far are chosen.
   std::size_t max_models = kNoLimit;
+  std::size_t max_pairs = kNoLimit;  ///< of a reference and a model, over all models
 };
 
 /// Matching in one round.

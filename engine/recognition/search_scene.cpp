@@ -108,8 +108,8 @@ Result<std::vector<Proposals>> SceneSearch::propose(const RoundPlan& round) {
   if (const auto& votes = round.votes) {
     const ModelGroups models =
         votes->max_models >= plan_.models.size() ? plan_.groups : likely_models(votes->max_models);
-    TRIVET_TRY(add(votes_.propose(models, votes->options, plan_.verification.test.limits,
-                                  selection_.explained)));
+    TRIVET_TRY(add(votes_.propose(models, votes->options, votes->max_pairs,
+                                  plan_.verification.test.limits, selection_.explained)));
   }
   if (const auto& matches = round.matches) {
     MatchLevels levels = matches->levels;
