@@ -93,7 +93,7 @@ ModelGroups group_by_step(const Library& library, std::span<const std::uint32_t>
   return groups;
 }
 
-/// Maximum work per scene. Libraries of about thirty models stay below it in scenes as large as a table.
+/// Maximum work per scene. Some thirty models in a scene as large as a table stay below it.
 struct WorkLimits {
   std::size_t screened = kNoLimit, refined = kNoLimit, examined = kNoLimit;
   std::size_t voted_models = kNoLimit;
