@@ -6,6 +6,7 @@
 
 #include "engine/common/describe_surface.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/common/thin_out.hpp"
 #include "engine/hypotheses/search_codes.hpp"
 #include "engine/libraries/index_features.hpp"
 #include "kernels/common/projector.hpp"
@@ -30,14 +31,6 @@ struct MatchScratch {
   Column<float> numbers;
   Column<std::uint8_t> codes;
 };
-
-/// Subsample evenly to at most this number.
-template <class T, class Allocator>
-void thin_out(std::size_t limit, std::vector<T, Allocator>& all) {
-  if (all.size() <= limit) return;
-  for (std::size_t k = 0; k < limit; ++k) all[k] = all[k * all.size() / limit];
-  all.erase(all.begin() + static_cast<std::ptrdiff_t>(limit), all.end());
-}
 
 Column<std::uint32_t> find_keypoints(const SceneSample& sample, Detector detector, float spacing) {
   Column<std::uint32_t> keypoints;

@@ -5,6 +5,7 @@
 
 #include "engine/common/checked_parts.hpp"
 #include "engine/common/parallel.hpp"
+#include "engine/common/thin_out.hpp"
 #include "engine/hypotheses/find_hypotheses.hpp"
 #include "engine/hypotheses/sample_for_models.hpp"
 #include "storage/common/clamped_integer.hpp"
@@ -35,12 +36,9 @@ void bound_pairs(const ModelGroups& models, std::size_t max_pairs,
   if (num_pairs <= max_pairs) return;
   const double share = static_cast<double>(max_pairs) / static_cast<double>(num_pairs);
   for (SceneLevel& bounded : levels) {
-    const std::vector<std::uint32_t> all = std::move(bounded.references);
-    const auto kept = clamped_integer(std::ceil(share * static_cast<double>(all.size())),
-                                      std::size_t{0}, all.size());
-    bounded.references.clear();
-    bounded.references.reserve(kept);
-    for (std::size_t k = 0; k < kept; ++k) bounded.references.push_back(all[k * all.size() / kept]);
+    const std::size_t size = bounded.references.size();
+    const double kept = std::ceil(share * static_cast<double>(size));
+    thin_out(clamped_integer(kept, std::size_t{0}, size), bounded.references);
   }
 }
 

@@ -156,7 +156,7 @@ void plan_rounds(const RecognizeOptions& options, const Library& library, Search
       now.votes = plan_votes(is_later ? options.later : options.vote, num_models, work);
     }
     if (by_matches && (!by_votes || is_first != votes_reach_all))
-      now.matches = plan_matches(options.match, by_votes && votes_reach_all, votes_reach_all);
+      now.matches = plan_matches(options.match, plan.decide.votes_first, votes_reach_all);
   }
 }
 

@@ -1,7 +1,6 @@
 #include "kernels/verification/edge_equations.hpp"
 
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace trivet::kernels {
@@ -35,15 +34,12 @@ enum class Place : std::uint8_t {
 /// Number of pixels beyond the last ray of the crop that still hit the model, by bisection. Both
 /// ends are then rounded alike to pixels, and a right pose has distances of 0.
 int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
-  const Pose T_model_camera = rays.T_camera_model.inverse();
   int hit_at = 0, missed_at = rays.crop.stride;
   while (missed_at - hit_at > 1) {
     const int middle = (hit_at + missed_at) / 2;
     const Eigen::Vector3f ray = ray_through(rays.geometry, rays.crop.u(end.i) + middle * end.di,
                                             rays.crop.v(end.j) + middle * end.dj);
-    const bool is_hit = static_cast<bool>(
-        rays.surface.intersect(T_model_camera.translation(), T_model_camera.linear() * ray, 0,
-                               std::numeric_limits<float>::infinity()));
+    const auto is_hit = static_cast<bool>(rays.first_hit(ray));
     (is_hit ? hit_at : missed_at) = middle;
   }
   return hit_at;

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "kernels/common/ray_scene.hpp"
@@ -51,6 +52,7 @@ struct ExaminedRays {
         judged_rays(judged),
         surface(model.surface),
         T_camera_model(geometry.T_camera_scene * model.T_scene_model),
+        T_model_camera(T_camera_model.inverse()),
         R_scene_camera(geometry.T_camera_scene.linear().transpose()),
         diameter(model.samples.diameter),
         jump(std::max(2 * options.verify.tolerance, 0.03F * diameter)),
@@ -98,19 +100,24 @@ struct ExaminedRays {
     return hit;
   }
 
+  /// The first place of the model along a ray from the camera, in the ray's lengths.
+  Hit first_hit(const Eigen::Vector3f& ray) const noexcept {
+    return surface.intersect(T_model_camera.translation(), T_model_camera.linear() * ray, 0,
+                             std::numeric_limits<float>::infinity());
+  }
+
   /// Whether the model's surface is open at an end: a ray just before it meets the surface once. What
   /// the model is a part of may go on beyond.
   bool is_open_at(const RayEnd& end) const {
-    const Pose T_model_camera = T_camera_model.inverse();
-    const Eigen::Vector3f origin = T_model_camera.translation();
-    const Eigen::Vector3f direction =
-        T_model_camera.linear() *
-        Eigen::Vector3f(ray_through(geometry, crop.u(end.i), crop.v(end.j)) -
-                        Eigen::Vector3f(kInside * static_cast<float>(end.di) / geometry.fx,
-                                        kInside * static_cast<float>(end.dj) / geometry.fy, 0));
+    const Eigen::Vector3f ray =
+        ray_through(geometry, crop.u(end.i), crop.v(end.j)) -
+        Eigen::Vector3f(kInside * static_cast<float>(end.di) / geometry.fx,
+                        kInside * static_cast<float>(end.dj) / geometry.fy, 0);
     const float beyond = depth_at(end.i, end.j) + 2 * diameter;
-    const Hit first = surface.intersect(origin, direction, 0, beyond);
-    const Hit last = surface.intersect(origin + beyond * direction, -direction, 0, beyond);
+    const Hit first = first_hit(ray);
+    const Eigen::Vector3f direction = T_model_camera.linear() * ray;
+    const Hit last =
+        surface.intersect(T_model_camera.translation() + beyond * direction, -direction, 0, beyond);
     return first && !(beyond - last.distance > first.distance + kSameSurface * diameter);
   }
 
@@ -149,7 +156,7 @@ struct ExaminedRays {
   const RayHits& hits;
   std::vector<JudgedRay>* judged_rays;
   const RayScene& surface;
-  Pose T_camera_model;
+  Pose T_camera_model, T_model_camera;
   Eigen::Matrix3f R_scene_camera;
   float diameter;
   float jump;  ///< smallest depth step between different objects
