@@ -23,8 +23,8 @@ enum class Writers : std::uint8_t {
 };
 
 /// Read-only mapping of a regular file; the mapping survives replacement of the file by rename.
-/// Bytes cut off by truncation read as zeros. Prefer read_file for files that others write and that
-/// fit into memory.
+/// Bytes cut off by truncation read as zeros, and bytes that others write in place change, unless they
+/// were copied. Prefer read_file for files that others write and that fit into memory.
 class MappedFile {
  public:
   /// Changes of the file since it was opened.
@@ -51,6 +51,18 @@ class MappedFile {
   void accept_touch(std::int64_t time) const noexcept;
   /// Record that the bytes have changed.
   void condemn() const noexcept;
+  /// Copy some bytes of the mapping, and those around them, into memory at the same address. No write
+  /// to the file reaches them from then on, but earlier ones did: check them afterwards. Without
+  /// effect for Writers::none, and where the system refuses such memory. Thread-safe, but not
+  /// together with drop_copies. Errors: no_memory.
+  Result<void> copy(std::span<const std::byte> bytes) const;
+  /// Whether copies can be made.
+  bool has_memory() const noexcept;
+  /// Free the memory of all copies: the mapping is that of the file again.
+  void drop_copies() const noexcept;
+  /// Another mapping of the same file, as it is now. Empty for Writers::none. Errors: io.
+  Result<MappedFile> mapped_again() const;
+
   /// Whether a path leads to this very file or does not exist.
   bool is_at(const std::filesystem::path& file) const noexcept;
 

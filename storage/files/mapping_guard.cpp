@@ -17,6 +17,7 @@ namespace {
 struct Guarded {
   std::atomic<bool> is_used{false}, is_torn{false};
   std::atomic<std::uintptr_t> begin{0}, end{0};  ///< 0: none
+  std::atomic<std::atomic<PieceState>*> pieces{nullptr};
 };
 static_assert(std::atomic<std::uintptr_t>::is_always_lock_free);
 
@@ -25,9 +26,15 @@ std::atomic<std::size_t> num_slots{0};  ///< number of slots used so far
 std::uintptr_t page_size = 0;
 struct sigaction action_before {};
 
-/// Replace the rest of a guarded mapping from an address on: past the end of a truncated file there
-/// is no data, and the mapping is reported as torn as a whole. The rest is replaced at once, since
-/// each piece would count towards the limit on mappings of a process.
+/// Mark a piece as torn, unless it was copied or is being copied.
+bool mark_torn(std::atomic<PieceState>& piece) noexcept {
+  PieceState expected = PieceState::of_file;
+  return piece.compare_exchange_strong(expected, PieceState::torn) || expected == PieceState::torn;
+}
+
+/// Replace the rest of a guarded mapping from an address on, up to the next copied piece: past the end
+/// of a truncated file there is no data, and the mapping is reported as torn as a whole. The rest is
+/// replaced at once, since each page would count towards the limit on mappings of a process.
 bool tear(std::uintptr_t address) noexcept {
   const std::size_t n = num_slots.load(std::memory_order_acquire);
   for (std::size_t i = 0; i < n; ++i) {
@@ -37,9 +44,17 @@ bool tear(std::uintptr_t address) noexcept {
     if (begin == 0 || address < begin || address >= end ||
         guarded.begin.load(std::memory_order_acquire) != begin)
       continue;
-    const std::uintptr_t page = address / page_size * page_size;
     guarded.is_torn.store(true, std::memory_order_release);
-    return ::mmap(reinterpret_cast<void*>(page), end - page, PROT_READ,
+    const std::uintptr_t page = address / page_size * page_size;
+    std::atomic<PieceState>* const pieces = guarded.pieces.load(std::memory_order_acquire);
+    std::size_t piece = (page - begin) / MappingGuard::kPieceBytes;
+    const auto begin_of = [&](std::size_t k) {
+      return std::min(end, begin + k * MappingGuard::kPieceBytes);
+    };
+    // The access is repeated on return: it then reads the copy.
+    if (!mark_torn(pieces[piece++])) return true;
+    while (begin_of(piece) < end && mark_torn(pieces[piece])) ++piece;
+    return ::mmap(reinterpret_cast<void*>(page), begin_of(piece) - page, PROT_READ,
                   MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != MAP_FAILED;
   }
   return false;
@@ -74,7 +89,8 @@ void install_handler() {
 
 }  // namespace
 
-MappingGuard::MappingGuard(std::span<const std::byte> mapped) {
+MappingGuard::MappingGuard(std::span<const std::byte> mapped,
+                           std::span<std::atomic<PieceState>> pieces) {
   static const bool installed = (install_handler(), true);
   (void)installed;
   for (std::size_t i = 0; i < all_guarded.size(); ++i) {
@@ -85,6 +101,7 @@ MappingGuard::MappingGuard(std::span<const std::byte> mapped) {
     }
     const auto begin = reinterpret_cast<std::uintptr_t>(mapped.data());
     guarded.is_torn.store(false);
+    guarded.pieces.store(pieces.data());
     guarded.end.store(begin + mapped.size());
     guarded.begin.store(begin);
     slot_ = i;

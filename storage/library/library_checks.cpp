@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace trivet {
@@ -41,31 +42,31 @@ Result<void> LibraryChecks::unchanged() const {
 }
 
 bool LibraryChecks::is_still_good() const {
+  const Result<MappedFile> now = file_bytes_.mapped.mapped_again();
+  if (!now) return false;
+  const auto is_good = [&](const StoredColumn& column) {
+    return column == StoredColumn{} ||
+           checksum_of(now->bytes().subspan(column.offset, column.bytes)) == column.checksum;
+  };
   for (std::size_t m = 0; m < models_.size(); ++m) {
     for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
-      if (!good_parts_[state_of(m, format::kModelColumns[c].part)]) continue;
-      if (models_[m][c] != StoredColumn{} && !has_checksum(models_[m][c])) return false;
+      if (good_parts_[state_of(m, format::kModelColumns[c].part)] && !is_good(models_[m][c]))
+        return false;
     }
   }
   for (std::size_t level = 0; level < levels_.size(); ++level) {
-    if (!good_levels_[level]) continue;
-    for (const StoredColumn& column : levels_[level]) {
-      if (!has_checksum(column)) return false;
-      if (held_ == Held::mapped) release_pages(bytes_of(column));
-    }
+    if (good_levels_[level] && !std::ranges::all_of(levels_[level], is_good)) return false;
   }
   return true;
 }
 
-bool LibraryChecks::has_checksum(const StoredColumn& column) const {
-  const auto bytes = bytes_of(column);
-  return (held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes)) == column.checksum;
+Xxh3 LibraryChecks::checksum_of(std::span<const std::byte> bytes) const {
+  return held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes);
 }
 
 Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
                                         const std::string& place) const {
-  const auto bytes = bytes_of(column);
-  const Xxh3 found = held_ == Held::mapped ? xxh3_of_mapped(bytes) : xxh3(bytes);
+  const Xxh3 found = checksum_of(bytes_of(column));
   if (found == column.checksum) return {};
   TRIVET_TRY(unchanged());
   return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
@@ -76,12 +77,15 @@ Result<void> LibraryChecks::check(const std::string& name, const ModelColumns& c
                                   std::size_t index, ModelPart part) const {
   std::atomic<bool>& good = good_parts_[state_of(index, part)];
   if (good.load(std::memory_order_acquire)) return {};
+  const std::shared_lock lock(copies_);
   for (std::size_t c = 0; c < format::kModelColumns.size(); ++c) {
     const auto& [spec, of_part] = format::kModelColumns[c];
     const StoredColumn& column = models_[index][c];
     if (of_part != part || column == StoredColumn{}) continue;  // absent in older files
     const std::string place = fmt::format("/models/{}/{}{}{}", name, spec.group,
                                           spec.group.empty() ? "" : "/", spec.name);
+    // What is computed with it must stay what it is, whoever writes to the file.
+    TRIVET_TRY(file_bytes_.mapped.copy(bytes_of(column)));
     TRIVET_TRY(check_bytes(column, place));
   }
   if (const Result<void> checked = format::check_part(name, columns, part); !checked) {
@@ -122,7 +126,14 @@ void LibraryChecks::ask_for(std::size_t index, ModelPart part) const noexcept {
 }
 
 void LibraryChecks::release_memory() const noexcept {
-  if (held_ == Held::mapped) release_pages(file_bytes_.bytes);
+  if (held_ != Held::mapped) return;
+  release_pages(file_bytes_.bytes);
+  // Copies of a file that was changed stay as long as scenes compute with them.
+  const MappedFile& mapped = file_bytes_.mapped;
+  if (!mapped.has_memory() || mapped.state() != MappedFile::State::same) return;
+  const std::unique_lock lock(copies_);
+  for (std::atomic<bool>& good : good_parts_) good = false;
+  mapped.drop_copies();
 }
 
 }  // namespace trivet

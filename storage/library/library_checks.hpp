@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <shared_mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,9 +57,10 @@ class LibraryChecks {
     return file_bytes_.bytes.subspan(column.offset, column.bytes);
   }
   Result<void> check_bytes(const StoredColumn& column, const std::string& place) const;
-  bool has_checksum(const StoredColumn& column) const;
-  /// Whether all data that passed a check is still unchanged.
+  /// Whether all data that passed a check is still unchanged in the file.
   bool is_still_good() const;
+  /// The checksum of a column's bytes, with little of it in memory at a time.
+  Xxh3 checksum_of(std::span<const std::byte> bytes) const;
 
   std::filesystem::path file_;
   FileBytes file_bytes_;
@@ -69,6 +71,8 @@ class LibraryChecks {
   /// check the same part: both get the same result.
   mutable std::vector<std::atomic<bool>> good_parts_, good_levels_;
   mutable std::mutex touched_;  ///< held by the thread that repeats the checks
+  /// Held by threads that check parts, and alone by one that drops the copies of what was checked.
+  mutable std::shared_mutex copies_;
 };
 
 }  // namespace trivet

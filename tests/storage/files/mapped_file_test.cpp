@@ -5,6 +5,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
@@ -12,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "storage/files/file.hpp"
 #include "support/temp_dir.hpp"
@@ -53,6 +56,70 @@ TEST(MappedFile, ReadsAsZerosWhereItsFileWasCutOffAndIsTorn) {
     EXPECT_EQ(whole->state(), State::same);
     EXPECT_EQ(whole->bytes().back(), std::byte{'y'});
   }
+}
+
+// A copy is of whole pieces of a megabyte. The file has four.
+TEST(MappedFile, KeepsWhatWasCopiedWhateverHappensToItsFile) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20U, kBytes = 4 * kPiece - 100;
+  const test::TempDir folder;
+  const auto changes = {
+      +[](const fs::path& file) { overwrite(file, std::string(kBytes, 'y')); },
+      +[](const fs::path& file) { overwrite(file, ""); },
+      +[](const fs::path& file) { fs::resize_file(file, kPageBytes); },
+  };
+  for (const auto change : changes) {
+    const fs::path file = folder.write("a", std::string(kBytes, 'x'));
+    const auto mapped = map(file, Writers::others);
+    ASSERT_TRUE(mapped && mapped->has_memory());
+    const std::span<const std::byte> bytes = mapped->bytes();
+    ASSERT_TRUE(mapped->copy(bytes.subspan(kPiece + 5, 3)));
+    ASSERT_TRUE(mapped->copy(bytes.last(1)));
+    change(file);
+    EXPECT_EQ(mapped->state(), State::changed);
+    const std::byte begin = bytes[kPageBytes], third = bytes[2 * kPiece + kPageBytes];
+    for (const std::size_t copied : {kPiece, 2 * kPiece - 1, 3 * kPiece, kBytes - 1})
+      EXPECT_EQ(bytes[copied], std::byte{'x'}) << copied;
+    const std::byte now = fs::file_size(file) == kBytes ? std::byte{'y'} : std::byte{0};
+    EXPECT_EQ(begin, now);
+    EXPECT_EQ(third, now);
+  }
+}
+
+TEST(MappedFile, IsItsFileAgainWhenItsCopiesAreDropped) {
+  const test::TempDir folder;
+  const fs::path file = folder.write("a", std::string(3 * kPageBytes, 'x'));
+  const auto mapped = map(file, Writers::others), own = map(file, Writers::none);
+  ASSERT_TRUE(mapped && own && mapped->copy(mapped->bytes()));
+  std::fstream(file, std::ios::in | std::ios::out | std::ios::binary) << 'y';
+  EXPECT_EQ(mapped->bytes()[0], std::byte{'x'});
+  const auto again = mapped->mapped_again();
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->bytes()[0], std::byte{'y'});
+  mapped->drop_copies();
+  EXPECT_EQ(mapped->bytes()[0], std::byte{'y'});
+  ASSERT_TRUE(mapped->copy(mapped->bytes()));
+  EXPECT_EQ(mapped->bytes()[0], std::byte{'y'});
+  EXPECT_FALSE(own->has_memory());
+  EXPECT_TRUE(own->copy(own->bytes()));
+}
+
+TEST(MappedFile, IsCopiedOnceByManyThreads) {
+  const test::TempDir folder;
+  const fs::path file = folder.write("a", std::string(std::size_t{5} << 20U, 'x'));
+  const auto mapped = map(file, Writers::others);
+  ASSERT_TRUE(mapped);
+  std::vector<std::thread> threads;
+  std::atomic<int> good{0};
+  for (std::size_t t = 0; t < 8; ++t) {
+    threads.emplace_back([&, t] {
+      const auto part = mapped->bytes().subspan(t * 500'000, 1'500'000);
+      if (mapped->copy(part) && std::ranges::count(part, std::byte{'x'}) == 1'500'000) ++good;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  overwrite(file, "");
+  EXPECT_EQ(good, 8);
+  EXPECT_EQ(std::ranges::count(mapped->bytes(), std::byte{'x'}), std::ptrdiff_t{5} << 20U);
 }
 
 TEST(MappedFile, LeavesTheFaultsOfOthersToThem) {

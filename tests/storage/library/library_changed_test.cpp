@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <vector>
 
 #include "storage/library/library.hpp"
 #include "support/library_file.hpp"
@@ -78,6 +80,39 @@ TEST_F(LibraryChangedTest, IsNoFaultOfTheProcessWhenItIsCutOff) {
   ASSERT_FALSE(checked);
   EXPECT_EQ(checked.error().code, ErrorCode::changed) << checked.error().message;
   expect_changed(*library, file());
+}
+
+// A scene that is being searched goes on with what it began with: other bytes would be indices
+// out of bounds.
+TEST_F(LibraryChangedTest, WhatWasCheckedStaysInAnOpenLibrary) {
+  const Result<Library> library = open_library(file());
+  ASSERT_TRUE(library);
+  const auto samples = library->samples(0);
+  const auto pairs = library->pairs(0);
+  ASSERT_TRUE(samples && pairs);
+  const std::vector<float> x((*samples)->samples.x.begin(), (*samples)->samples.x.end());
+  const auto offsets = (*pairs)->ppf.offsets;
+  const std::vector<std::uint32_t> begins(offsets.begin(), offsets.end());
+  for (const std::string& bytes : {std::string(bytes_.size(), '\xff'), std::string()}) {
+    overwrite(bytes);
+    EXPECT_TRUE(std::ranges::equal((*samples)->samples.x, x));
+    EXPECT_TRUE(std::ranges::equal((*pairs)->ppf.offsets, begins));
+  }
+  library->release_memory(0);
+  EXPECT_TRUE(std::ranges::equal((*samples)->samples.x, x)) << "copies of a changed file stay";
+  expect_changed(*library, file());
+}
+
+TEST_F(LibraryChangedTest, IsCheckedAgainAfterItsMemoryWasReleased) {
+  const Result<Library> library = open_library(file());
+  ASSERT_TRUE(library && library->check_all());
+  library->release_memory(0);
+  EXPECT_TRUE(library->check_all());
+  library->release_memory(0);
+  overwrite(std::string(bytes_.size(), '\xff'));
+  const Result<void> checked = library->check_all();
+  ASSERT_FALSE(checked);
+  EXPECT_EQ(checked.error().code, ErrorCode::changed);
 }
 
 TEST_F(LibraryChangedTest, IsFoundChangedThoughItsTimeWasSetBack) {
