@@ -17,7 +17,14 @@ namespace {
 constexpr float kUnitTolerance = 1e-3F;  // tolerance of the squared length; float rounding stays
                                          // below 1e-6
 
-bool finite(const Eigen::Vector3f& v) noexcept { return v.allFinite(); }
+// Cubes of lengths between these are floats, in any unit of a length.
+constexpr float kSmallest = 1e-12F, kLargest = 1e12F;
+constexpr float kMostSupport = 1000;  // radius of descriptions [spacing of points]
+
+bool is_length(float length) noexcept { return length >= kSmallest && length <= kLargest; }
+bool is_point(const Eigen::Vector3f& v) noexcept {
+  return (v.array().abs() <= kLargest).all();  // false for NaN
+}
 bool unit(const Eigen::Vector3f& v) noexcept {
   return std::abs(v.squaredNorm() - 1) <= kUnitTolerance;
 }
@@ -35,10 +42,16 @@ std::string check_rows(std::string_view name, PointsView rows,
 }
 
 std::string check_points(std::string_view name, PointsView rows) {
-  return check_rows(name, rows, finite, "finite coordinates");
+  return check_rows(name, rows, is_point, "coordinates of at most 1e12");
 }
 std::string check_normals(std::string_view name, PointsView rows) {
   return check_rows(name, rows, unit, "a unit vector");
+}
+
+std::string check_length_of(std::string_view name, float found) {
+  return is_length(found)
+             ? std::string()
+             : fmt::format("{}: expected a length from 1e-12 to 1e12, found {}", name, found);
 }
 
 std::string check_length(std::string_view name, std::size_t found, std::size_t expected) {
@@ -54,12 +67,11 @@ std::string check_ranks(std::string_view name, std::span<const std::uint32_t> mo
 }
 
 std::string check_scalars(const ModelInfo& model) {
-  if (!std::isfinite(model.diameter) || model.diameter <= 0) {
-    return fmt::format("diameter: expected a positive length, found {}", model.diameter);
-  }
-  if (!finite(model.center)) return "center: expected finite coordinates";
-  if (!std::isfinite(model.sample_spacing) || model.sample_spacing < 0) {
-    return fmt::format("sample_spacing: expected a length, found {}", model.sample_spacing);
+  if (std::string wrong = check_length_of("diameter", model.diameter); !wrong.empty()) return wrong;
+  if (!is_point(model.center)) return "center: expected coordinates of at most 1e12";
+  if (model.sample_spacing != 0) {
+    if (std::string wrong = check_length_of("sample_spacing", model.sample_spacing); !wrong.empty())
+      return wrong;
   }
   for (const std::string* text : {&model.source, &model.source_xxh3}) {
     if (text->size() > 4096 || text->find('\0') != std::string::npos)
@@ -75,7 +87,8 @@ std::string check_motions(std::string_view name, const std::vector<Pose>& motion
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const Eigen::Matrix4f pose = motions[i].matrix();
     const Eigen::Matrix3f turn = pose.topLeftCorner<3, 3>();
-    const bool rigid = pose.allFinite() && (turn * turn.transpose()).isIdentity(kUnitTolerance) &&
+    const bool rigid = is_point(pose.topRightCorner<3, 1>()) &&
+                       (turn * turn.transpose()).isIdentity(kUnitTolerance) &&
                        turn.determinant() > 0 && pose.row(3) == Eigen::RowVector4f(0, 0, 0, 1);
     if (!rigid) return fmt::format("{}[{}]: expected a rigid motion", name, i);
   }
@@ -83,8 +96,8 @@ std::string check_motions(std::string_view name, const std::vector<Pose>& motion
 }
 
 std::string check_axis(std::string_view name, const std::optional<Symmetry::Axis>& axis) {
-  if (!axis || (unit(axis->direction) && finite(axis->point))) return {};
-  return fmt::format("{}: expected a unit direction and a finite point", name);
+  if (!axis || (unit(axis->direction) && is_point(axis->point))) return {};
+  return fmt::format("{}: expected a unit direction and a point within 1e12", name);
 }
 
 std::string check_near_symmetries(const std::vector<Pose>& motions) {
@@ -113,9 +126,8 @@ std::string check_triangles(const ModelSurface& model) {
 /// Check the quantization of the table.
 std::string check_quantization(const PpfQuantization& q, bool has_columns) {
   if (q == PpfQuantization{} && !has_columns) return {};  // trained without pairs
-  if (!std::isfinite(q.distance_step) || q.distance_step <= 0) {
-    return fmt::format("ppf@distance_step: expected a positive length, found {}", q.distance_step);
-  }
+  if (std::string wrong = check_length_of("ppf@distance_step", q.distance_step); !wrong.empty())
+    return wrong;
   if (q.num_distance_bins == 0 && !has_columns) return {};  // trained without pairs: the step stays
   constexpr std::uint32_t kMaxBins = 65536;
   const double num_cells =
@@ -202,10 +214,8 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
 }
 
 std::string check_resolution(std::string_view group, const TriSpinFeatures& features) {
-  if (features.size() == 0 || (std::isfinite(features.resolution) && features.resolution > 0))
-    return {};
-  return fmt::format("{}@resolution: expected a positive length, found {}", group,
-                     features.resolution);
+  if (features.size() == 0) return {};
+  return check_length_of(fmt::format("{}@resolution", group), features.resolution);
 }
 
 std::string check_features(std::string_view group, const TriSpinFeatures& features) {
@@ -266,10 +276,12 @@ std::string check_views(const ModelSamples& model) {
 Result<void> check_basis(const TriSpinBasis& basis) {
   const PcaBasis& pca = basis.components;
   std::string wrong;
-  if (!std::isfinite(basis.support) || basis.support <= 0) {
-    wrong = fmt::format("support: expected a positive number, found {}", basis.support);
-  } else if (!std::isfinite(basis.code_step) || basis.code_step <= 0) {
-    wrong = fmt::format("code_step: expected a positive number, found {}", basis.code_step);
+  if (!(basis.support >= 1 / kMostSupport && basis.support <= kMostSupport)) {
+    wrong = fmt::format("support: expected a number from {} to {}, found {}", 1 / kMostSupport,
+                        kMostSupport, basis.support);
+  } else if (!is_length(basis.code_step)) {
+    wrong =
+        fmt::format("code_step: expected a number from 1e-12 to 1e12, found {}", basis.code_step);
   } else if (pca.size() == 0 || pca.size() > kImageSize) {
     wrong = fmt::format("energies: expected 1 to {} rows, found {}", kImageSize, pca.size());
   } else if (pca.dimension != kImageSize || pca.mean.size() != kImageSize) {

@@ -225,6 +225,10 @@ std::vector<Model> map_models(GroupReader& reader, std::span<const ModelRecord> 
   return models;
 }
 
+bool has_features(const Model& model) {
+  return std::ranges::any_of(model.features, [](const auto& scale) { return scale.size() > 0; });
+}
+
 FeatureIndex map_index(GroupReader& reader, std::span<const LevelRecord> levels,
                        const FileBytes& own) {
   FeatureIndex index;
@@ -272,6 +276,8 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   if (reader.fault()) return *reader.fault();
 
   std::vector<Model> models = map_models(reader, records, columns, num_components);
+  if (num_components == 0 && std::ranges::any_of(models, has_features))
+    reader.refuse("/trisi", "expected the components of the models' features, found none");
   if (reader.fault()) return *reader.fault();
   FeatureIndex mapped_levels = map_index(reader, levels, own);
   if (reader.fault()) return *reader.fault();

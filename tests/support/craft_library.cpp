@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <map>
 #include <stdexcept>
+#include <string>
 
 #include "storage/files/file.hpp"
+#include "storage/library/group_reader.hpp"
 #include "storage/library/library_format.hpp"
 
 namespace trivet::test {
@@ -72,6 +76,24 @@ void seal_library(const std::filesystem::path& file) {
   require(tree.has_value(), tree ? "" : tree.error().message);
   edit_library(file, [&](hid_t root) {
     write_text(root, std::string(format::kChecksum), format::digest(*tree));
+  });
+}
+
+void seal_beside_directory(const std::filesystem::path& file) {
+  const std::uint64_t size = std::filesystem::file_size(file);
+  const auto tree = read_stored_tree(file, size, "models");
+  require(tree.has_value(), tree ? "" : tree.error().message);
+  const auto bytes = read_file(file, size);
+  GroupReader reader(file, *bytes);
+  std::map<std::string, std::string> children;
+  for (const auto& [name, group] : tree->groups) {
+    children.emplace(name, name == "models"
+                               ? reader.text(tree->groups.at("directory").attributes,
+                                             std::string(format::kModelsDigest), "/directory")
+                               : format::digest(group));
+  }
+  edit_library(file, [&](hid_t root) {
+    write_text(root, std::string(format::kChecksum), format::digest(tree->attributes, children));
   });
 }
 

@@ -29,4 +29,7 @@ void replace_attribute(hid_t root, const std::string& object, const std::string&
 /// the checksum of the whole; the structure must be one that the reader accepts.
 void seal_library(const std::filesystem::path& file);
 
+/// Corrects the checksum of the whole where the directory stays, and the models' groups as they were.
+void seal_beside_directory(const std::filesystem::path& file);
+
 }  // namespace trivet::test

@@ -6,6 +6,9 @@
 
 #include <cstring>
 #include <random>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "storage/library/library.hpp"
 #include "support/craft_library.hpp"
@@ -462,6 +465,40 @@ TEST_F(LibraryDamageTest, RefusesUnknownAndMissingObjects) {
   change("model name", [](hid_t root) {
     return H5Lmove(root, "models/a", root, "models/..x", H5P_DEFAULT, H5P_DEFAULT);
   });
+}
+
+// Their squares and cubes are no floats, and rays from there end a process in Embree.
+TEST_F(LibraryDamageTest, RefusesLengthsThatCannotBeComputedWith) {
+  const auto whole = read_bytes(file());
+  for (const float length : {3.4e38F, 1e19F, 1e13F, 1e-13F, 1e-45F, 0.0F, -1.0F}) {
+    for (const auto& [object, name] : {std::pair("models/a", "diameter"),
+                                       {"models/a/trisi", "resolution"},
+                                       {"models/a/ppf", "distance_step"},
+                                       {"trisi", "support"}}) {
+      write_file(whole);
+      edit_library(file(), [&, object = object, name = name](hid_t root) {
+        replace_attribute(root, object, name, H5T_NATIVE_FLOAT, &length);
+      });
+      seal_library(file());
+      expect_refused(fmt::format("{}: expected a", name));
+    }
+  }
+  write_file(whole);
+  edit_library(file(), [](hid_t root) {
+    const std::vector<float> far(3 * 50, 1e13F);
+    replace_data(root, kVertices, std::as_bytes(std::span(far)));
+  });
+  seal_library(file());
+  expect_refused("vertices[0]: expected coordinates of at most 1e12");
+}
+
+TEST_F(LibraryDamageTest, RefusesFeaturesWithoutTheirComponentsBesideADirectory) {
+  edit_library(file(), [](hid_t root) { ASSERT_GE(H5Ldelete(root, "trisi", H5P_DEFAULT), 0); });
+  test::seal_beside_directory(file());
+  const auto library = open_library(file());
+  ASSERT_FALSE(library);
+  EXPECT_NE(library.error().message.find("/trisi: expected the components"), std::string::npos)
+      << library.error().message;
 }
 
 TEST_F(LibraryDamageTest, RefusesChangedNamesAndAttributesByTheChecksumOfTheFile) {
