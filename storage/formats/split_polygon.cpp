@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "storage/common/precondition.hpp"
+#include "storage/common/stop.hpp"
 
 namespace trivet::formats {
 namespace {
@@ -99,6 +100,7 @@ class EarClipper {
     // First in, first out: cutting adjacent corners in sequence would make slivers. A cut changes
     // only its neighbors, so only these are tested again.
     for (std::size_t k = 0; k < waiting_.size() && cut_ < out.size(); ++k) {
+      check_stop();  // the test of one corner may visit all others
       const std::uint32_t tip = waiting_[k];
       if (corners_[tip].is_cut || !meets(demand, tip)) continue;
       if (steps_ == 0) return false;

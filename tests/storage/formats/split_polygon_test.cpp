@@ -7,8 +7,12 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <stop_token>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "storage/common/stop.hpp"
 #include "support/polygon_mesh.hpp"
 #include "support/random.hpp"
 
@@ -336,6 +340,24 @@ TEST(SplitPolygon, NeedsFarFewerStepsThanTheSquareForOutlinesOfParts) {
     }
     EXPECT_LE(before, 1000U * 16000U) << "what readers allow";
   }
+}
+
+// Corners at four places: no test of one finds an ear soon.
+TEST(SplitPolygon, EndsWhenItsWorkIsStopped) {
+  test::Random random(3);
+  Points points;
+  for (const auto& [x, y] : {std::pair(-1.0F, -1.0F), {1.0F, -1.0F}, {1.0F, 1.0F}, {-1.0F, 1.0F}})
+    points.push_back(Eigen::Vector3f(x, y, 0));
+  std::vector<std::uint32_t> corners(50'000);
+  for (std::uint32_t& corner : corners) corner = static_cast<std::uint32_t>(random.below(4));
+  std::vector<CornerTriangle> triangles(corners.size() - 2);
+  SplitScratch scratch;
+  std::uint64_t steps = 1'000'000'000;
+  std::stop_source stop;
+  stop.request_stop();
+  const std::stop_token token = stop.get_token();
+  const StopScope scope(&token);
+  EXPECT_THROW(split_polygon(points, corners, scratch, steps, triangles), Stopped);
 }
 
 }  // namespace
