@@ -133,8 +133,9 @@ std::string trace_parent(const HttpRequest& request) {
   return good && !given.starts_with("ff") && !is_zero(3, 32) && !is_zero(36, 16) ? given : "";
 }
 
-Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
-                                                          std::chrono::milliseconds otherwise) {
+Result<std::chrono::steady_clock::time_point> deadline_of(
+    const HttpRequest& request, std::chrono::steady_clock::time_point begun,
+    std::chrono::milliseconds otherwise) {
   std::chrono::milliseconds deadline = otherwise;
   if (const std::string given = request.header("x-deadline-ms"); !given.empty()) {
     const double value = parse_number(given).value_or(0);
@@ -145,7 +146,7 @@ Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& req
     }
     deadline = std::chrono::milliseconds(static_cast<std::int64_t>(std::ceil(value)));
   }
-  return std::chrono::steady_clock::now() + deadline;
+  return begun + deadline;
 }
 
 }  // namespace trivet::apps::service

@@ -37,9 +37,10 @@ std::string request_id(const HttpRequest& request);
 /// lower-case hexadecimal digits, trace and parent not zero. Empty for any other text.
 std::string trace_parent(const HttpRequest& request);
 
-/// The deadline of a request: X-Deadline-Ms, above 0 and up to an hour, counted from now. Errors:
-/// usage.
-Result<std::chrono::steady_clock::time_point> deadline_of(const HttpRequest& request,
-                                                          std::chrono::milliseconds otherwise);
+/// The deadline of a request: X-Deadline-Ms, above 0 and up to an hour, counted from its arrival.
+/// Errors: usage.
+Result<std::chrono::steady_clock::time_point> deadline_of(
+    const HttpRequest& request, std::chrono::steady_clock::time_point begun,
+    std::chrono::milliseconds otherwise);
 
 }  // namespace trivet::apps::service

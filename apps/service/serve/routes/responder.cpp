@@ -20,7 +20,7 @@ void Responder::run(const CallPtr& call, ServiceJob job,
   job.num_bytes += call->num_bytes;
   job.is_gone = [call] { return call->is_overdue() || call->request.is_gone(); };
   const Result<ServiceClock::time_point> deadline =
-      deadline_of(call->request, options_.default_deadline);
+      deadline_of(call->request, call->begun, options_.default_deadline);
   if (!deadline) return reply(call, error_response(deadline.error()));
   job.deadline = *deadline;
   const auto response = std::make_shared<HttpResponse>();
