@@ -282,6 +282,7 @@ Result<Library> parse(const fs::path& file, const StoredGroup& root, const FileB
   FeatureIndex mapped_levels = map_index(reader, levels, own);
   if (reader.fault()) return *reader.fault();
   std::vector<LevelColumns> level_columns;
+  level_columns.reserve(levels.size());
   for (const LevelRecord& level : levels) level_columns.push_back(level.columns);
   const auto checks =
       std::make_shared<const LibraryChecks>(file, columns, held, records, std::move(level_columns));
