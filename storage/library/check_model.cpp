@@ -48,7 +48,7 @@ std::string check_normals(std::string_view name, PointsView rows) {
   return check_rows(name, rows, unit, "a unit vector");
 }
 
-std::string check_length_of(std::string_view name, float found) {
+std::string check_distance(std::string_view name, float found) {
   return is_length(found)
              ? std::string()
              : fmt::format("{}: expected a length from 1e-12 to 1e12, found {}", name, found);
@@ -67,10 +67,10 @@ std::string check_ranks(std::string_view name, std::span<const std::uint32_t> mo
 }
 
 std::string check_scalars(const ModelInfo& model) {
-  if (std::string wrong = check_length_of("diameter", model.diameter); !wrong.empty()) return wrong;
+  if (std::string wrong = check_distance("diameter", model.diameter); !wrong.empty()) return wrong;
   if (!is_point(model.center)) return "center: expected coordinates of at most 1e12";
   if (model.sample_spacing != 0) {
-    if (std::string wrong = check_length_of("sample_spacing", model.sample_spacing); !wrong.empty())
+    if (std::string wrong = check_distance("sample_spacing", model.sample_spacing); !wrong.empty())
       return wrong;
   }
   for (const std::string* text : {&model.source, &model.source_xxh3}) {
@@ -126,7 +126,7 @@ std::string check_triangles(const ModelSurface& model) {
 /// Check the quantization of the table.
 std::string check_quantization(const PpfQuantization& q, bool has_columns) {
   if (q == PpfQuantization{} && !has_columns) return {};  // trained without pairs
-  if (std::string wrong = check_length_of("ppf@distance_step", q.distance_step); !wrong.empty())
+  if (std::string wrong = check_distance("ppf@distance_step", q.distance_step); !wrong.empty())
     return wrong;
   if (q.num_distance_bins == 0 && !has_columns) return {};  // trained without pairs: the step stays
   constexpr std::uint32_t kMaxBins = 65536;
@@ -215,7 +215,7 @@ std::string check_table(const PpfTableView& table, std::size_t num_points) {
 
 std::string check_resolution(std::string_view group, const TriSpinFeatures& features) {
   if (features.size() == 0) return {};
-  return check_length_of(fmt::format("{}@resolution", group), features.resolution);
+  return check_distance(fmt::format("{}@resolution", group), features.resolution);
 }
 
 std::string check_features(std::string_view group, const TriSpinFeatures& features) {

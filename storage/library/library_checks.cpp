@@ -130,8 +130,9 @@ void LibraryChecks::release_memory() const noexcept {
   release_pages(file_bytes_.bytes);
   // Copies of a file that was changed stay as long as scenes compute with them.
   const MappedFile& mapped = file_bytes_.mapped;
-  if (!mapped.has_memory() || mapped.state() != MappedFile::State::same) return;
+  if (!mapped.has_memory()) return;
   const std::unique_lock lock(copies_);
+  if (mapped.state() != MappedFile::State::same) return;
   for (std::atomic<bool>& good : good_parts_) good = false;
   mapped.drop_copies();
 }
