@@ -135,7 +135,7 @@ def add_dataset(model):
 
 @pytest.mark.parametrize("edit, reason", [
     (stretch_normal, "ppf/normals[5]: expected a unit vector, found ("),
-    (misplace_point, "ppf/points[3]: expected finite coordinates"),
+    (misplace_point, "ppf/points[3]: expected coordinates of at most 1e12"),
     (name_other_vertex, "triangles[7]: expected an index below 76, found 76"),
     (name_other_reference, "expected a reference below"),
     (swap_entries, "sorted by reference, then angle"),
@@ -146,7 +146,7 @@ def add_dataset(model):
     (transpose_points, "ppf/points: expected float32 of shape (3, 0)"),
     (widen_turns, "ppf/entries: expected uint16"),
     (drop_samples, "samples: expected this dataset, found none"),
-    (flatten, "diameter: expected a positive length, found 0"),
+    (flatten, "diameter: expected a length from 1e-12 to 1e12, found 0"),
     (mirror, "symmetry_poses[0]: expected a rigid motion"),
     (add_dataset, "colors: the format has no such dataset"),
 ])
