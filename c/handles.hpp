@@ -49,6 +49,7 @@ constexpr trivet_status status_of(ErrorCode code) noexcept {
     case ErrorCode::usage:
       return TRIVET_USAGE;
     case ErrorCode::bad_data:
+    case ErrorCode::damaged:
       return TRIVET_BAD_DATA;
     case ErrorCode::missing_input:
       return TRIVET_MISSING_INPUT;

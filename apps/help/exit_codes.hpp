@@ -28,6 +28,7 @@ inline constexpr std::array<ExitCode, 8> kExitCodes{{
 }};
 
 inline int exit_code(ErrorCode error) {
+  if (error == ErrorCode::damaged) error = ErrorCode::bad_data;
   if (error == ErrorCode::no_space || error == ErrorCode::no_memory) error = ErrorCode::io;
   return std::ranges::find(kExitCodes, error, &ExitCode::error)->number;
 }

@@ -18,7 +18,7 @@ Result<std::vector<const ModelSamples*>> samples_of(const Library& library,
 Result<std::vector<const ModelPairs*>> pairs_of(const Library& library,
                                                 std::span<const std::uint32_t> models);
 
-/// The samples of a model for kernels. Errors: bad_data (damaged).
+/// The samples of a model for kernels. Errors: damaged.
 Result<kernels::ModelSamples> kernel_samples(const Library& library, std::uint32_t model);
 
 }  // namespace trivet::engine

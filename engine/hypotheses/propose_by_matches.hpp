@@ -37,7 +37,7 @@ class MatchSource {
         stats_(stats) {}
 
   /// explained  nonzero for pixels whose keypoints do not count, images concatenated; empty: none
-  /// Errors: bad_data (damaged).
+  /// Errors: damaged.
   Result<std::vector<Proposals>> propose(const MatchOptions& options, const MatchLevels& levels,
                                          std::span<const std::uint8_t> explained);
 

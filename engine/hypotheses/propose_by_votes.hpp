@@ -33,7 +33,7 @@ class VoteSource {
   /// max_pairs  of a reference and a model it votes for, over all steps; of more, a like share of the
   ///            references of each step votes
   /// explained  nonzero for pixels whose points do not vote, images concatenated; empty: none
-  /// Errors: bad_data (damaged).
+  /// Errors: damaged.
   Result<std::vector<Proposals>> propose(const ModelGroups& models, const VoteOptions& options,
                                          std::size_t max_pairs, const PoseLimits& limits,
                                          std::span<const std::uint8_t> explained);

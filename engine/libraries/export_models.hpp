@@ -25,7 +25,7 @@ enum class SurfaceFormat {
 ///
 /// names  empty: all models
 /// Returns the files that trivet train accepts. Errors: usage (no such model; too large for glTF),
-/// bad_data (damaged), cannot_create, io.
+/// damaged, cannot_create, io.
 Result<std::vector<std::filesystem::path>> export_models(const Library& library,
                                                          std::span<const std::string> names,
                                                          SurfaceFormat format,

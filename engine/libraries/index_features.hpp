@@ -11,7 +11,7 @@
 namespace trivet::engine {
 
 /// Build the index of a library whose file has none, in memory. Same bytes for any number of
-/// threads. Errors: bad_data (damaged).
+/// threads. Errors: damaged.
 Result<FeatureIndex> index_features(const Library& library);
 
 /// Append the index of all models' features to a library. Same bytes for any number of threads and

@@ -43,7 +43,7 @@ class Recognizer {
   /// (damaged), internal (Embree's message).
   Result<std::shared_ptr<const kernels::RayScene>> surface(std::uint32_t model) const;
   /// The Tri-Spin-Images of all models. For files from before version 1.4 they are indexed on first
-  /// use. Errors: bad_data (damaged).
+  /// use. Errors: damaged.
   Result<const FeatureLevels*> features() const;
   /// Models that look like this one, determined on first use. Errors: bad_data.
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;

@@ -35,7 +35,7 @@ struct ExplainedModel {
 /// least_score  minimum score by samples at which a refined pose is worth the full test
 /// table        finished poses; receives a row for each pose tested for the explanation
 /// Returns the models by the latest stage reached, then by score. Errors: internal (no memory for
-/// ray tracing), bad_data (damaged).
+/// ray tracing), damaged.
 Result<std::vector<ExplainedModel>> explain_place(const Library& library,
                                                   const PreparedScene& scene,
                                                   const PlaceQuestion& question, float least_score,

@@ -27,7 +27,7 @@ struct SearchResult {
 /// explain the scene, and compare them with hypotheses that look like them.
 ///
 /// stats    receives times and counts
-/// Errors: internal (no memory for ray tracing), bad_data (damaged). Throws Stopped.
+/// Errors: internal (no memory for ray tracing), damaged. Throws Stopped.
 Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
                                   const SearchPlan& plan, SceneStats& stats);
 

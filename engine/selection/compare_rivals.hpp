@@ -53,7 +53,7 @@ struct RivalComparison {
 /// own poses, and the best factor on the ratio was 0.9 (docs/measurements.md, "Other answers").
 /// Other models are compared in their own poses (rival_log_odds).
 ///
-/// Errors: internal (no memory for a model's ray-tracing tree), bad_data (damaged).
+/// Errors: internal (no memory for a model's ray-tracing tree), damaged.
 Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const PreparedScene& scene,
                                        const PoseTestOptions& test, const Rival& first,
                                        const Rival& second, kernels::CompareScratch& scratch);

@@ -48,7 +48,7 @@ class PoseVerifier {
   void refine(PoseTable& table, std::span<const Row> rows) const;
   /// Refine poses once more with all samples and test them by rays. Returns the rows of the poses
   /// within the limits; the others are discarded.
-  /// Errors: internal (no memory for a model's ray-tracing tree), bad_data (damaged).
+  /// Errors: internal (no memory for a model's ray-tracing tree), damaged.
   Result<std::vector<Row>> examine(PoseTable& table, std::span<const Row> rows) const;
 
   /// Nonzero, by row, where most of the pixels met by a part of the proposed pose's samples are

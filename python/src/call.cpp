@@ -12,6 +12,7 @@ void raise(const Error& error) {
       case ErrorCode::usage:
         return "UsageError";
       case ErrorCode::bad_data:
+      case ErrorCode::damaged:
         return "DataError";
       case ErrorCode::missing_input:
         return "MissingInputError";

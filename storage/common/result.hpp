@@ -20,6 +20,7 @@ enum class ErrorCode {
   resumable,      ///< stopped before the end; running again resumes
   internal,       ///< a bug
   changed,        ///< another process changed a file while it was in use
+  damaged,        ///< an open library proved to break its format or its checksums
   no_space,       ///< no space to write: a full disk, a quota, a limit on files
   no_memory,      ///< out of memory; may succeed later, or on a larger machine
 };

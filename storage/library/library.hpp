@@ -141,7 +141,7 @@ class FeatureLevels {
   /// Pre: level < size(), as for `level`.
   LevelShape shape(std::size_t level) const;
   /// A level whose bytes have been compared with their checksums and whose values with their
-  /// bounds, once. Thread-safe. Errors: bad_data (names the dataset and the fault).
+  /// bounds, once. Thread-safe. Errors: damaged (names the dataset and the fault).
   Result<const FeatureLevel*> level(std::size_t level) const;
 
  private:
@@ -180,7 +180,7 @@ struct Library {
 
   /// Parts of a model, valid as long as the library or a copy of it. When a part is first asked
   /// for, its bytes are compared with their checksums and its values with their bounds, once.
-  /// Thread-safe. Errors: bad_data (names the model, the dataset and the fault).
+  /// Thread-safe. Errors: damaged (names the model, the dataset and the fault).
   Result<const ModelSurface*> surface(std::uint32_t model) const;
   Result<const ModelSamples*> samples(std::uint32_t model) const;
   Result<const ModelPairs*> pairs(std::uint32_t model) const;

@@ -69,7 +69,7 @@ Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
   const Xxh3 found = checksum_of(bytes_of(column));
   if (found == column.checksum) return {};
   TRIVET_TRY(unchanged());
-  return Error{ErrorCode::bad_data, fmt::format("{}: {}: {}", file_.string(), place,
+  return Error{ErrorCode::damaged, fmt::format("{}: {}: {}", file_.string(), place,
                                                 wrong_checksum(column.checksum, found))};
 }
 
@@ -89,7 +89,7 @@ Result<void> LibraryChecks::check(const std::string& name, const ModelColumns& c
     TRIVET_TRY(check_bytes(column, place));
   }
   if (const Result<void> checked = format::check_part(name, columns, part); !checked) {
-    return Error{ErrorCode::bad_data,
+    return Error{ErrorCode::damaged,
                  fmt::format("{}: {}", file_.string(), checked.error().message)};
   }
   good.store(true, std::memory_order_release);
@@ -106,7 +106,7 @@ Result<void> LibraryChecks::check(const FeatureLevel& level, std::size_t index,
     TRIVET_TRY(check_bytes(levels_[index][c], place));
   }
   if (const Result<void> checked = format::check_level(level, num_models); !checked) {
-    return Error{ErrorCode::bad_data,
+    return Error{ErrorCode::damaged,
                  fmt::format("{}: {}/{}", file_.string(), path, checked.error().message)};
   }
   // A scene reads only a few of the lists.

@@ -35,6 +35,7 @@ unsigned status_of(ErrorCode code) {
     case ErrorCode::internal:
       return 500;
     case ErrorCode::changed:
+    case ErrorCode::damaged:
     case ErrorCode::no_memory:
       return 503;
     case ErrorCode::no_space:

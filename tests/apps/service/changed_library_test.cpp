@@ -10,6 +10,7 @@
 
 #include "apps/service/http_client.hpp"
 #include "apps/service/serve_fixture.hpp"
+#include "storage/library/library.hpp"
 
 namespace trivet::test {
 namespace {
@@ -72,6 +73,27 @@ TEST_F(ChangedLibrary, IsRefusedByNameUntilItIsReloaded) {
     EXPECT_EQ(ask(port, "POST", "/v1/library/reload").status, 200);
     EXPECT_EQ(detections(ask(port, "POST", query_, scan_)), detections(before));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+}
+
+TEST_F(ChangedLibrary, IsNoFaultOfTheClientWhereItIsDamaged) {
+  std::size_t at = 0;
+  {
+    const auto library = open_library(library_);
+    ASSERT_TRUE(library);
+    const std::span<const float> column = (*library->samples(0))->samples.x;
+    const auto bytes = std::as_bytes(column);
+    at = bytes_.find(std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+    ASSERT_NE(at, std::string::npos);
+  }
+  bytes_[at] = static_cast<char>(bytes_[at] ^ 1);
+  overwrite(bytes_);
+  const Outcome outcome = serve({}, [&](int port) {
+    const Answer refused = ask(port, "POST", query_, scan_);
+    EXPECT_EQ(refused.status, 503) << refused.body;
+    EXPECT_NE(refused.body.find("samples"), std::string::npos) << refused.body;
+    EXPECT_NE(refused.body.find("checksum"), std::string::npos) << refused.body;
   });
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
 }

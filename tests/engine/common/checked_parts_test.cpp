@@ -46,7 +46,7 @@ TEST_F(CheckedParts, NamesTheModelWhosePartIsDamaged) {
   EXPECT_EQ((*good)[2], *library->pairs(2));
   const auto bad = samples_of(*library, kAll);
   ASSERT_FALSE(bad);
-  EXPECT_EQ(bad.error().code, ErrorCode::bad_data);
+  EXPECT_EQ(bad.error().code, ErrorCode::damaged);
   EXPECT_NE(bad.error().message.find("/models/b/samples"), std::string::npos)
       << bad.error().message;
   constexpr std::array<std::uint32_t, 2> kOthers{0, 2};

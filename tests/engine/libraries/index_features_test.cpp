@@ -200,7 +200,7 @@ TEST_F(IndexFeatures, IsRefusedByNameWhereItIsDamaged) {
   ASSERT_TRUE(library) << library.error().message << ": nothing of it was read yet";
   const auto checked = library->index.level(0);
   ASSERT_FALSE(checked);
-  EXPECT_EQ(checked.error().code, ErrorCode::bad_data);
+  EXPECT_EQ(checked.error().code, ErrorCode::damaged);
   EXPECT_NE(checked.error().message.find("/index/00/codes"), std::string::npos)
       << checked.error().message;
   EXPECT_FALSE(library->index.level(0)) << "it stays damaged";

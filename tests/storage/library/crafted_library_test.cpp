@@ -70,7 +70,7 @@ TEST_F(LibraryDamageTest, RefusesWhatIsNoLibrary) {
   expect_refused("found a PLY file");
 
   fs::remove(file());
-  expect_refused("", ErrorCode::missing_input);
+  expect_refused("", {ErrorCode::missing_input});
   fs::create_directory(file());
   expect_refused("regular file");
   fs::remove(file());

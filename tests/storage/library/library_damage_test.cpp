@@ -93,7 +93,7 @@ TEST_F(LibraryDamageTest, GivesNoDamagedPartAndNamesTheFault) {
     for (int again = 0; again < 2; ++again) {
       const auto given = get(*library);
       ASSERT_FALSE(given) << "expected a refusal: " << named;
-      EXPECT_EQ(given.error().code, ErrorCode::bad_data);
+      EXPECT_EQ(given.error().code, ErrorCode::damaged);
       EXPECT_NE(given.error().message.find(file().string() + ": /models/a/" + named),
                 std::string::npos)
           << given.error().message;

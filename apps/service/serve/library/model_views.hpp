@@ -25,7 +25,7 @@ std::string model_mesh(const ModelSurface& surface);
 /// be called from any thread.
 class Thumbnails {
  public:
-  /// Returns a PNG. Pre: `model` belongs to the generation. Errors: internal, bad_data (damaged).
+  /// Returns a PNG. Pre: `model` belongs to the generation. Errors: internal, damaged.
   Result<std::string> png(const LibraryGeneration& generation, std::uint32_t model);
 
  private:

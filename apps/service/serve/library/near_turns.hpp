@@ -17,7 +17,7 @@ inline constexpr std::string_view kNearSymmetry = "near-symmetry";
 /// "place"}]}. Each rotation is listed with its inverse and both after each symmetry. A rotation by
 /// any angle about the near axis has no motions; its worst angle is measured. Lengths are in the
 /// library's unit.
-/// Errors: bad_data (the model is damaged).
+/// Errors: damaged.
 Result<nlohmann::ordered_json> near_turns_json(const Library& library, std::uint32_t model);
 
 }  // namespace trivet::apps::service
