@@ -80,6 +80,14 @@ TEST(DeclaredSize, IsCloseForLargeFiles) {
   }
 }
 
+TEST(DeclaredSize, CountsLinesHoweverShort) {
+  for (const char end : {'\n', '\r'}) {
+    const std::string empty_lines(100'000, end);
+    EXPECT_EQ(declared("a.xyz", empty_lines).num_points, 100'001U);
+    EXPECT_EQ(declared("a.xyz", "1 2 3" + empty_lines + "4 5 6").num_points, 100'001U);
+  }
+}
+
 TEST(DeclaredSize, IsWhatTheHeaderOfAnImageSays) {
   const std::string bytes =
       test::depth_png(4000, 4000, std::vector<std::uint16_t>(16'000'000, 8000));
