@@ -9,6 +9,7 @@
 #include "engine/scene/find_viewpoint.hpp"
 #include "kernels/meshing/boundary_share.hpp"
 #include "kernels/scans/fit_camera.hpp"
+#include "kernels/scans/fit_ray_lattice.hpp"
 #include "kernels/surfaces/solid_angles.hpp"
 #include "storage/data/bounding_box.hpp"
 
@@ -135,6 +136,16 @@ Result<FoundView> find_view(const Cloud& cloud, const SceneInput& input) {
   FoundView found{view};
   if (camera && view.viewpoint && is_at(*camera, *view.viewpoint - cloud.offset, cloud.points))
     found.geometry = camera->geometry;
+  if (cloud.grid || cloud.camera || !view.viewpoint) return found;
+  const Eigen::Vector3f viewpoint = (*view.viewpoint - cloud.offset).cast<float>();
+  if (const std::optional<kernels::PosedCamera> pixels =
+          kernels::fit_ray_lattice(cloud.points, viewpoint)) {
+    found.geometry = pixels->geometry;
+    if (view.source == ViewSource::assumed) {
+      found.view.source = ViewSource::grid;
+      found.view.residual = pixels->residual;
+    }
+  }
   return found;
 }
 

@@ -137,12 +137,13 @@ std::optional<SensorView> find_sensor(const Cloud& cloud,
       return std::nullopt;
     return SensorView{kernels::geometry_of(*cloud.camera, *cloud.grid), *cloud.grid, false};
   }
-  if (recovered) return SensorView{*recovered, *cloud.grid, false};
-  const std::optional<kernels::ImageGeometry> geometry = kernels::choose_camera(points, viewpoint);
+  if (recovered && cloud.grid) return SensorView{*recovered, *cloud.grid, false};
+  const std::optional<kernels::ImageGeometry> geometry =
+      recovered ? recovered : kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;
   kernels::MergedPixels merged = kernels::merge_pixels(*geometry, points);
   points = std::move(merged.points);
-  return SensorView{*geometry, std::move(merged.grid), true};
+  return SensorView{*geometry, std::move(merged.grid), !recovered};
 }
 
 /// planes  planes in the camera's frame

@@ -141,8 +141,22 @@ TEST(FindView, FindsWhereAnOrganizedScanThatWasMovedIsSeenFrom) {
   expect_view(find_view(scan, {}), SceneKind::points, ViewSource::file, Vector3d(0, 0, 2));
 }
 
+TEST(FindView, KnowsTheOriginByTheRaysOfPointsAndBelievesACallerFirst) {
+  const test::Shape bracket = test::bracket();
+  Cloud list;
+  list.points =
+      test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {0, 0, 0.9F})}}).points;
+  const SceneView view = find_view(list, {});
+  EXPECT_EQ(name_of(view.source), "grid");
+  EXPECT_EQ(view.viewpoint, Vector3d::Zero());
+  ASSERT_TRUE(view.residual);
+  EXPECT_LT(*view.residual, 0.01);
+  EXPECT_EQ(name_of(find_view(list, {.viewpoint = Vector3d(0, 0, 0)}).source), "given");
+  EXPECT_EQ(name_of(find_view(list, {.viewpoint = Vector3d(0.2, 0, 0)}).source), "given");
+}
+
 TEST(FindView, AssumesTheOriginForPoints) {
-  Cloud points = triangulated_scan();
+  Cloud points = moved(triangulated_scan(), test::pose_of({0.4F, -1.2F, 2}, {0.1F, 0.2F, 0}));
   points.triangles = {};
   expect_view(find_view(points, {}), SceneKind::points, ViewSource::assumed, Vector3d::Zero());
 }

@@ -161,6 +161,27 @@ TEST(PrepareScene, MeasuresAMovedOrganizedScanAsTheSensorDid) {
     ASSERT_NEAR(after.images[0].depth[pixel], before.images[0].depth[pixel], 1e-4F);
 }
 
+TEST(PrepareScene, MeasuresAListOfThePixelsAsTheSensorDid) {
+  const Cloud image = two_parts();
+  const kernels::RangeImage before = prepare(image, {}).images[0];
+  Cloud list;
+  for (std::size_t i = image.points.size(); i-- > 0;) list.points.push_back(image.points[i]);
+  const engine::PreparedScene scene = prepare(list, {});
+  EXPECT_EQ(name_of(scene.view.kind), "image");
+  EXPECT_EQ(name_of(scene.view.source), "grid");
+  const kernels::RangeImage& after = scene.images[0];
+  std::size_t num_measured = 0;
+  for (std::size_t pixel = 0; pixel < after.depth.size(); ++pixel) {
+    if (!(after.depth[pixel] > 0)) continue;
+    ++num_measured;
+    const std::int64_t same =
+        before.geometry.pixel_of(after.geometry.back_project(pixel, after.depth[pixel]));
+    ASSERT_GE(same, 0);
+    ASSERT_EQ(before.depth[static_cast<std::size_t>(same)], after.depth[pixel]);
+  }
+  EXPECT_EQ(num_measured, image.points.size());
+}
+
 // The pixels of noisy_parts() have independent errors.
 TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   const engine::PreparedScene scene = prepare(noisy_parts(), {});
