@@ -159,9 +159,8 @@ Result<std::optional<Row>> OtherAnswers::note_candidates(Row row, SettledPose& s
     if (std::ranges::find(strange, candidate.model) != strange.end())
       strange_share += candidate.share;
   }
-  settled.pose.score =
-      scale_odds(settled.pose.score, static_cast<float>(std::exp(more)) *
-                                         std::lerp(1.0F, kOddsOfStrangeAnswer, strange_share));
+  settled.pose.score = score_beside_strange(
+      scale_odds(settled.pose.score, static_cast<float>(std::exp(more))), strange_share);
   return better;
 }
 

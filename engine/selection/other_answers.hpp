@@ -38,7 +38,7 @@ class OtherAnswers {
   /// each explains the pixels where it differs from the pose (compare_rivals). Those with less than
   /// a hundredth are told apart and left out. The score becomes the probability that any candidate
   /// is here, which is at least that of each. Candidates of another shape lower it by their share:
-  /// where unlike shapes fit equally well, none may be there (kOddsOfStrangeAnswer).
+  /// where unlike shapes fit equally well, none may be there (score_beside_strange).
   ///
   /// row  row of the settled pose
   /// Errors: internal (no memory for a model's ray-tracing tree).

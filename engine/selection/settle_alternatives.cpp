@@ -90,19 +90,21 @@ class AmbiguityTest {
                          SettledPose& settled) {
     TestedPose& pose = settled.pose;
     Ambiguity& ambiguity = settled.ambiguity;
-    double elsewhere = 0;  // likelihood of the alternatives relative to the pose
-    bool strange = false;
+    // Likelihoods of the alternatives, and of those that the shape does not explain, relative to the
+    // pose.
+    double elsewhere = 0, strange = 0;
     for (const Alike& alternative : alike) {
       if (!is_alternative(alternative.T_scene_model, pose)) continue;
-      elsewhere += std::exp(alternative.log_ratio);
+      const double likelihood = std::exp(alternative.log_ratio);
+      elsewhere += likelihood;
       ambiguity.alternatives.push_back(alternative.T_scene_model);
-      strange = strange || !is_near_symmetric(pose.T_scene_model, alternative.T_scene_model);
+      if (!is_near_symmetric(pose.T_scene_model, alternative.T_scene_model)) strange += likelihood;
     }
     for (const float angle : turns.others) {
       const Pose turned = pose.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
       if (is_alternative(turned, pose)) ambiguity.alternatives.push_back(turned);
     }
-    if (strange) pose.score = scale_odds(pose.score, kOddsOfStrangeAnswer);
+    pose.score = score_beside_strange(pose.score, static_cast<float>(strange / (1 + elsewhere)));
     ambiguity.pose_share = turns.share / static_cast<float>(1 + elsewhere);
     if (turns.high - turns.low > 2 * kRightRotationRad)
       ambiguity.turns = TurnExtent{*model_.near_axis, turns.low, turns.high};

@@ -18,6 +18,18 @@ TEST(ScaleOdds, ScalesThem) {
   EXPECT_EQ(scale_odds(0, 0.5F), 0);
 }
 
+TEST(ScoreBesideStrange, FallsWithTheShareOfStrangeAnswers) {
+  EXPECT_EQ(score_beside_strange(0.9F, 0), 0.9F);
+  EXPECT_GT(score_beside_strange(0.9F, 0.01F), 0.89F) << "what is unlikely raises no doubt";
+  EXPECT_FLOAT_EQ(score_beside_strange(0.9F, 1), scale_odds(0.9F, 0.1F));
+  float before = 0.9F;
+  for (const float share : {0.2F, 0.4F, 0.6F, 0.8F, 1.0F}) {
+    const float score = score_beside_strange(0.9F, share);
+    EXPECT_LT(score, before);
+    before = score;
+  }
+}
+
 TEST(RivalLogOdds, AreZeroBetweenEquals) { EXPECT_EQ(of_rivals(0.7F, 0.7F, 0), 0); }
 
 TEST(RivalLogOdds, RiseWithThePixelsAndTheScore) {
