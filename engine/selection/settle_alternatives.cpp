@@ -21,11 +21,8 @@ constexpr float kAlternativePlace = 0.3F;  // [diameters]
 constexpr float kLeastAlternativeScore = 0.1F;
 constexpr float kAlternativeShare = 0.5F;  // share of the score of the ambiguous pose
 constexpr int kMaxHops = 3;                // steps from an alternative to a better alternative
-// In standard deviations: odds of three to one if pixel errors are independent. If neighboring
-// errors are correlated, edges and creases appear displaced, so an alternative must be
-// significantly better.
-constexpr double kLeastSignificance = 0.7;
-constexpr float kSameAxis = 0.99F;  // cosine
+constexpr double kLeastLogOdds = -4.6;     // of alternatives that are noted: one in a hundred
+constexpr float kSameAxis = 0.99F;         // cosine
 constexpr double kLeastProbability = 1e-6;
 
 class AmbiguityTest {
@@ -50,10 +47,11 @@ class AmbiguityTest {
   }
 
  private:
-  /// A pose that the scan cannot distinguish from another one.
+  /// A pose that the scan hardly distinguishes from another one.
   struct Alike {
     Pose T_scene_model;
-    double log_ratio;  ///< log likelihood ratio of this pose to the other one
+    float score;
+    double log_odds;  ///< log odds that the object lies like this rather than as the other one
   };
 
   /// Move the pose of a row to the best turn and alternative, and find the alternatives that are not
@@ -62,25 +60,29 @@ class AmbiguityTest {
     const PoseTable& table = poses_.table;
     pose = {table.T_scene_model[row], table.score[row], table.test(row)};
     kernels::TurnComparison turns = settle_turn(pose);
-    const double least_significance =
-        std::lerp(kLeastSignificance, kernels::PoseComparison::kSignificant,
-                  static_cast<double>(tester_.scene().sensor.correlation));
+    // Where neighboring errors are correlated, edges and creases appear displaced and scores err
+    // alike: pixels alone decide, and only if they differ significantly.
+    const auto correlation = static_cast<double>(tester_.scene().sensor.correlation);
+    constexpr double kSignificant = kernels::PoseComparison::kSignificant;
+    const double least_z = std::lerp(-kSignificant, kSignificant, correlation);
     for (int hop = 0; hop <= kMaxHops; ++hop) {
       alike.clear();
-      std::optional<Pose> better;
+      std::optional<TestedPose> better;
       double most = 0;
       for (const Pose& alternative : alternatives_of(table.model[row], pose.T_scene_model)) {
         const kernels::PoseComparison comparison = compare(alternative, pose.T_scene_model);
-        if (comparison.log_ratio > most && comparison.z > least_significance) {
-          most = comparison.log_ratio;
-          better = alternative;
+        TestedPose tested = examine(alternative);
+        const double log_odds = std::lerp(rival_log_odds(tested.score, pose.score, comparison),
+                                          comparison.log_ratio, correlation);
+        if (log_odds < kLeastLogOdds) continue;
+        alike.push_back({alternative, tested.score, log_odds});
+        if (log_odds > most && comparison.z > least_z) {
+          most = log_odds;
+          better = std::move(tested);
         }
-        if (!comparison.significant()) alike.push_back({alternative, comparison.log_ratio});
       }
-      if (!better || hop == kMaxHops) break;
-      TestedPose moved = examine(*better);
-      if (moved.score < kAlternativeShare * pose.score) break;
-      pose = std::move(moved);
+      if (!better || hop == kMaxHops || better->score < kAlternativeShare * pose.score) break;
+      pose = *std::move(better);
       turns = settle_turn(pose);
     }
     return turns;
@@ -94,15 +96,16 @@ class AmbiguityTest {
     // pose.
     double elsewhere = 0, strange = 0;
     for (const Alike& alternative : alike) {
-      if (!is_alternative(alternative.T_scene_model, pose)) continue;
-      const double likelihood = std::exp(alternative.log_ratio);
+      if (alternative.score < kAlternativeShare * pose.score) continue;
+      const double likelihood = std::exp(alternative.log_odds);
       elsewhere += likelihood;
       ambiguity.alternatives.push_back(alternative.T_scene_model);
       if (!is_near_symmetric(pose.T_scene_model, alternative.T_scene_model)) strange += likelihood;
     }
     for (const float angle : turns.others) {
       const Pose turned = pose.T_scene_model * kernels::turn_about(*model_.near_axis, angle);
-      if (is_alternative(turned, pose)) ambiguity.alternatives.push_back(turned);
+      if (examine(turned).score >= kAlternativeShare * pose.score)
+        ambiguity.alternatives.push_back(turned);
     }
     pose.score = score_beside_strange(pose.score, static_cast<float>(strange / (1 + elsewhere)));
     ambiguity.pose_share = turns.share / static_cast<float>(1 + elsewhere);
@@ -115,10 +118,6 @@ class AmbiguityTest {
     return kernels::compare_poses(tester_.scene().images, {surface_, tester_.samples(), pose},
                                   {surface_, tester_.samples(), with}, tester_.errors_of(with),
                                   tester_.strict(with), compare_scratch_);
-  }
-
-  bool is_alternative(const Pose& alternative, const TestedPose& pose) {
-    return examine(alternative).score >= kAlternativeShare * pose.score;
   }
 
   TestedPose examine(const Pose& pose) {
