@@ -35,6 +35,9 @@ constexpr double kAsGood = 1, kLeast = 1e-6;
 // Of two poses that a test was made of, the second has to be that much likelier: the better of two
 // noisy scores is too high [log odds].
 constexpr double kClearlyBetter = 1;
+// Unless its residuals are half as large: where neighboring errors are correlated, the score hardly
+// rises with a closer fit.
+constexpr float kMuchCloser = 0.25F;
 // What all measurements of an object may be off together, which no number of them reduces [their
 // standard deviation]. Of 583 poses in made scans by laser and structured light, half of which it was
 // not chosen on, 92 % lie in the region that should hold 90 %, alike by both sensors.
@@ -227,8 +230,11 @@ TestedPose PoseTester::polish_and_examine(const kernels::RayScene& surface,
   TestedPose tested = examine(surface, score, wide, scratch);
   if (!are_apart(wide, narrow)) return tested;
   TestedPose other = examine(surface, score, narrow, scratch);
-  const bool is_better = kernels::log_odds(other.score, kLeast) >
-                         kernels::log_odds(tested.score, kLeast) + kClearlyBetter;
+  const bool is_closer =
+      other.test.examination.mean_square < kMuchCloser * tested.test.examination.mean_square;
+  const bool is_better =
+      kernels::log_odds(other.score, kLeast) >
+      kernels::log_odds(tested.score, kLeast) + (is_closer ? -kClearlyBetter : kClearlyBetter);
   return is_better ? std::move(other) : std::move(tested);
 }
 
