@@ -18,6 +18,8 @@ constexpr std::size_t kFewestPoints = 100;
 constexpr std::size_t kSampled = 20'000;
 constexpr float kLargestTangent = 4;  // 76 degrees off the axis
 constexpr std::size_t kFewestLines = 8, kMostLines = 1 << 14;
+// Of the extent of the lines: gaps that are tried between them.
+constexpr int kFewestHalvings = 4, kMostHalvings = 18;
 constexpr double kMostPixels = 16;  // per point
 // RMS distance from the rays [pixel]. Points that know nothing of a lattice have 0.29, and those of
 // a camera, rounded to a tenth of a millimeter at a pitch of one, 0.03.
@@ -77,13 +79,13 @@ double distance2(const Lines& lines, double value) noexcept {
   return apart * apart;
 }
 
-/// The lines of values, whatever their errors: gaps from tiny ones to half a pitch are tried.
+/// The lines of values, whatever their errors: gaps between lines are tried from tiny ones on.
 std::optional<Lines> find_lines(std::vector<double> values) {
   std::ranges::sort(values);
   const double extent = values.back() - values.front();
   if (!(extent > 0)) return std::nullopt;
-  for (double gap = extent / (1 << 18); gap < extent / kFewestLines; gap *= 2) {
-    const std::optional<Lines> lines = fit_lines(values, gap);
+  for (int halvings = kMostHalvings; halvings >= kFewestHalvings; --halvings) {
+    const std::optional<Lines> lines = fit_lines(values, std::ldexp(extent, -halvings));
     if (!lines || !(lines->pitch > 0)) continue;
     double sum = 0;
     for (const double value : values) sum += distance2(*lines, value);
