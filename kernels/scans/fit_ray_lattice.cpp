@@ -15,7 +15,7 @@ namespace trivet::kernels {
 namespace {
 
 constexpr std::size_t kFewestPoints = 100;
-constexpr std::size_t kSampled = 20'000;
+constexpr std::size_t kSampled = 8000;
 constexpr float kLargestTangent = 4;  // 76 degrees off the axis
 constexpr std::size_t kFewestLines = 8, kMostLines = 1 << 14;
 // Of the extent of the lines: gaps that are tried between them.
@@ -45,13 +45,18 @@ std::optional<Lines> fit_lines(std::span<const double> sorted, double gap) {
     double mean = 0, count = 0;
   };
   std::vector<Line> lines;
+  lines.reserve(sorted.size() / 2 + 1);
   for (std::size_t i = 0; i < sorted.size(); ++i) {
-    if (i == 0 || sorted[i] - sorted[i - 1] > gap) lines.emplace_back();
+    if (i == 0 || sorted[i] - sorted[i - 1] > gap) {
+      // A line has several values, unless the gap is smaller than their errors.
+      if (2 * lines.size() >= sorted.size()) return std::nullopt;
+      lines.emplace_back();
+    }
     Line& line = lines.back();
     line.count += 1;
     line.mean += (sorted[i] - line.mean) / line.count;
   }
-  if (lines.size() < kFewestLines || lines.size() > kMostLines) return std::nullopt;
+  if (lines.size() < kFewestLines) return std::nullopt;
   std::vector<double> steps;
   for (std::size_t i = 1; i < lines.size(); ++i) steps.push_back(lines[i].mean - lines[i - 1].mean);
   const double step = median(std::span(steps));
@@ -121,15 +126,21 @@ std::vector<Tangents> tangents_of(PointsView points, const Pose& T_camera_scene)
   return tangents;
 }
 
-std::vector<double> sampled(std::span<const Tangents> tangents, std::size_t direction) {
-  std::vector<double> values;
-  const std::size_t n = tangents.size();
-  const bool all = n <= kSampled;
-  values.reserve(all ? n : kSampled);
-  // Evenly chosen ones might all be of the same columns.
+/// Points chosen by chance: evenly chosen ones might all be of the same columns.
+Points choose_sample(PointsView points) {
+  Points sample;
+  const std::size_t n = points.size();
+  sample.reserve(std::min(n, kSampled));
   CounterRandom random(0, 0, n);
-  for (std::size_t i = 0; i < (all ? n : kSampled); ++i)
-    values.push_back(tangents[all ? i : random.next() % n][direction]);
+  for (std::size_t i = 0; i < std::min(n, kSampled); ++i)
+    sample.push_back(points[n <= kSampled ? i : random.next() % n]);
+  return sample;
+}
+
+std::vector<double> values_of(std::span<const Tangents> tangents, std::size_t direction) {
+  std::vector<double> values;
+  values.reserve(tangents.size());
+  for (const Tangents& tangent : tangents) values.push_back(tangent[direction]);
   return values;
 }
 
@@ -158,12 +169,15 @@ double neighbor_share(std::span<const Tangents> tangents, const Lines& columns, 
   return pixels > 0 ? pairs / (2 * pixels) : 0;
 }
 
-std::optional<PosedCamera> fit_along(PointsView points, const Pose& T_camera_scene) {
+std::optional<PosedCamera> fit_along(PointsView points, PointsView sample,
+                                     const Pose& T_camera_scene) {
+  const std::vector<Tangents> sampled = tangents_of(sample, T_camera_scene);
+  if (sampled.empty()) return std::nullopt;
+  std::optional<Lines> columns = find_lines(values_of(sampled, 0));
+  std::optional<Lines> rows = columns ? find_lines(values_of(sampled, 1)) : std::nullopt;
+  if (!rows) return std::nullopt;
   const std::vector<Tangents> tangents = tangents_of(points, T_camera_scene);
   if (tangents.empty()) return std::nullopt;
-  std::optional<Lines> columns = find_lines(sampled(tangents, 0));
-  std::optional<Lines> rows = columns ? find_lines(sampled(tangents, 1)) : std::nullopt;
-  if (!rows) return std::nullopt;
   double sum = 0;
   Tangents low = tangents.front(), high = low;
   for (const Tangents& tangent : tangents) {
@@ -206,9 +220,11 @@ std::optional<PosedCamera> fit_along(PointsView points, const Pose& T_camera_sce
 
 std::optional<PosedCamera> fit_ray_lattice(PointsView points, const Eigen::Vector3f& viewpoint) {
   if (points.size() < kFewestPoints) return std::nullopt;
+  const Points sample = choose_sample(points);
   for (const Eigen::Index axis : {2, 0, 1}) {
     for (const float sign : {1.0F, -1.0F}) {
-      std::optional<PosedCamera> camera = fit_along(points, pose_of_axis(axis, sign, viewpoint));
+      std::optional<PosedCamera> camera =
+          fit_along(points, sample, pose_of_axis(axis, sign, viewpoint));
       if (!camera) continue;
       camera->center = viewpoint.cast<double>();
       return camera;
