@@ -70,7 +70,7 @@ Result<void> LibraryChecks::check_bytes(const StoredColumn& column,
   if (found == column.checksum) return {};
   TRIVET_TRY(unchanged());
   return Error{ErrorCode::damaged, fmt::format("{}: {}: {}", file_.string(), place,
-                                                wrong_checksum(column.checksum, found))};
+                                               wrong_checksum(column.checksum, found))};
 }
 
 Result<void> LibraryChecks::check(const std::string& name, const ModelColumns& columns,
