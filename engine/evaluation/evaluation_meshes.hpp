@@ -26,8 +26,8 @@ struct EvaluationMesh {
 /// without extent).
 Result<std::vector<EvaluationMesh>> read_evaluation_meshes(const Manifest& manifest);
 
-/// The surfaces of a library's models as they are stored, in its order and unit. Errors: bad_data
-/// (damaged).
+/// The surfaces of a library's models as they are stored, in its order and unit. Errors:
+/// damaged.
 Result<std::vector<EvaluationMesh>> meshes_of(const Library& library);
 
 /// The mesh with this name; null if there is none.

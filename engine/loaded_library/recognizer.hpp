@@ -39,16 +39,16 @@ class Recognizer {
   const Library& library() const noexcept { return library_; }
   const kernels::ScoreModel& score() const noexcept { return score_; }
   /// The surface of a model, built if necessary. It consists of the model's faces, or of discs on
-  /// its samples if it was trained from a cloud without a reconstructed surface. Errors: bad_data
-  /// (damaged), internal (Embree's message).
+  /// its samples if it was trained from a cloud without a reconstructed surface. Errors: damaged,
+  /// internal (Embree's message).
   Result<std::shared_ptr<const kernels::RayScene>> surface(std::uint32_t model) const;
   /// The Tri-Spin-Images of all models. For files from before version 1.4 they are indexed on first
   /// use. Errors: damaged.
   Result<const FeatureLevels*> features() const;
-  /// Models that look like this one, determined on first use. Errors: bad_data.
+  /// Models that look like this one, determined on first use. Errors: damaged.
   Result<const std::vector<engine::LookAlike>*> look_alikes(std::uint32_t model) const;
   /// Look-alikes most of whose surfaces coincide with this one's, determined on first use. Errors:
-  /// bad_data.
+  /// damaged.
   Result<const std::vector<engine::NearCopy>*> near_copies(std::uint32_t model) const;
   /// Release pages of the mapped file beyond the bound, between scenes and between levels of the
   /// index.

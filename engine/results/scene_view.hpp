@@ -10,7 +10,7 @@ namespace trivet {
 
 /// Kind of scan that the scene was interpreted as.
 enum class SceneKind : std::uint8_t {
-  image,    ///< pixels of a depth camera or of an organized point cloud
+  image,    ///< pixels of a depth camera or of a point cloud, organized or not
   points,   ///< scattered points, or the vertices of triangles, seen from one viewpoint
   surface,  ///< whole surface that no single viewpoint sees, rendered from six sides
 };
@@ -19,7 +19,7 @@ enum class SceneKind : std::uint8_t {
 enum class ViewSource : std::uint8_t {
   given,    ///< caller: a camera, a viewpoint, or a surface without a sensor
   file,     ///< the scene's file
-  grid,     ///< the rows and columns of an organized scan, which are rays through one point
+  grid,     ///< the rows and columns of a scan, organized or not: rays through one point
   faces,    ///< the scene's triangles: all visible from the viewpoint, or from none
   assumed,  ///< default, without any information
 };

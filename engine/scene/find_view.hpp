@@ -14,8 +14,8 @@ namespace trivet::engine {
 /// The view of a scene.
 struct FoundView {
   SceneView view{};
-  /// Pixel geometry of an organized scan without a camera, as its grid determines it; in the
-  /// cloud's frame and unit.
+  /// Pixel geometry of a scan without a camera, as its grid or the rays of its points determine it;
+  /// in the cloud's frame and unit.
   std::optional<kernels::ImageGeometry> geometry{};
 };
 
@@ -25,11 +25,11 @@ struct FoundView {
 /// Any other surface with almost no border is a whole surface. In all other cases the origin is
 /// assumed.
 ///
-/// Rows and columns of an organized scan determine the view if neither caller nor file does.
+/// Rows and columns of an organized scan determine the view if neither caller nor file does, and
+/// rays through the pixels of an image confirm the origin.
 /// Writers that know no viewpoint write the origin, so that a file's origin counts as none.
 ///
 /// Errors: bad_data (a viewpoint that is too far from the points for floats).
-/// Whether other points form an image is decided later, when they are arranged in one.
 Result<FoundView> find_view(const Cloud& cloud, const SceneInput& input);
 
 }  // namespace trivet::engine

@@ -127,7 +127,7 @@ void close_holes(float max_step, kernels::RangeImage& image) {
   }
 }
 
-/// recovered  geometry that the grid determines
+/// recovered  geometry that the grid or the rays of the points determine
 /// points     points of the cloud; scattered ones are merged by pixel
 std::optional<SensorView> find_sensor(const Cloud& cloud,
                                       const std::optional<kernels::ImageGeometry>& recovered,
@@ -221,7 +221,7 @@ Error too_few_points(const SceneInput& input, std::string_view which, std::size_
                                            input.file.string(), kFewestPoints, which, num_points)};
 }
 
-/// recovered  geometry that the grid determines [library unit]
+/// recovered  geometry that the grid or the rays of the points determine [library unit]
 Result<void> prepare_sensor_scene(const Cloud& cloud,
                                   const std::optional<kernels::ImageGeometry>& recovered,
                                   const SceneInput& input, const PrepareOptions& options,

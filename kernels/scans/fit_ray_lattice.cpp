@@ -34,7 +34,7 @@ using Tangents = std::array<double, 2>;
 /// Equidistant lines: first + pitch * k.
 struct Lines {
   double first = 0, pitch = 0;
-  std::size_t count = 0;
+  std::size_t count = 0;  ///< set once all points are known
 
   double position_of(double value) const noexcept { return (value - first) / pitch; }
 };
@@ -73,11 +73,10 @@ std::optional<Lines> fit_lines(std::span<const double> sorted, double gap) {
   Lines fitted;
   fitted.pitch = (n * skv - sk * sv) / det;
   fitted.first = lines[0].mean + (sv - fitted.pitch * sk) / n;
-  fitted.count = static_cast<std::size_t>(k) + 1;
   return fitted;
 }
 
-/// Sum of squared distances of values from the nearest line [pitch^2].
+/// Squared distance of a value from the nearest line [pitch^2].
 double distance2(const Lines& lines, double value) noexcept {
   const double at = lines.position_of(value);
   const double apart = at - std::round(at);
