@@ -9,6 +9,7 @@
 #include "engine/common/thin_out.hpp"
 #include "engine/hypotheses/search_codes.hpp"
 #include "engine/libraries/index_features.hpp"
+#include "engine/scene/thin_by_pixels.hpp"
 #include "kernels/common/projector.hpp"
 #include "kernels/spin_images/feature_codes.hpp"
 #include "kernels/spin_images/group_matches.hpp"
@@ -104,7 +105,7 @@ SceneMatches match_features(const TriSpinBasis& basis, const FeatureLevel& level
       return is_explained(sampled.scene, sampled.explained, sampled.sample.points[i], out.spacing);
     });
   }
-  thin_out(options.max_keypoints, keypoints);
+  keypoints.resize(thin_by_pixels(scene, sample.points, options.max_keypoints, keypoints));
   const float support = basis.support * level.resolution;
   Descriptions described;
   describe_surface(sample.points, sample.normals, keypoints, support, options.limits, described);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/options/train_options.hpp"
 #include "engine/scene/find_view.hpp"
+#include "engine/scene/thin_by_pixels.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/scans/ground_planes.hpp"
@@ -41,6 +43,10 @@ constexpr std::size_t kPixelGrain = 1 << 16;  // pixels per task with little wor
 // A test of a pose tells shapes apart by five errors, here a fifth of the diameter. Objects that are
 // found in real scans are 56 pixels and 75 errors wide, and more.
 constexpr float kFewestErrors = 25;
+// Normals of points that are a step apart err by a third of a radian where the error that neighbors
+// share is a third of the step; a cell of point pairs is 0.2 rad wide. Points that proposed right
+// poses in real scans have steps of 4 such errors, and more.
+constexpr float kFewestErrorsOfStep = 3;
 constexpr float kNormalClusterRad = 0.5236F;  // same as for models, so that their pairs match
 static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi_v<float> / 180 &&
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
@@ -463,12 +469,13 @@ Triangles choose_faces(const Cloud& cloud, PreparedScene& scene) {
 }
 
 /// Whether an object of a size would be shown at a point as many errors of the sensor and as many
-/// pixels wide as a test of its pose takes.
-bool shows(const PreparedScene& scene, const Eigen::Vector3f& point, float diameter) {
+/// pixels wide as a test of its pose takes, and whether points a step apart have normals.
+bool shows(const PreparedScene& scene, const Eigen::Vector3f& point, float diameter, float step) {
   if (scene.view.kind == SceneKind::surface) return true;  // measured from all sides
   const kernels::ImageGeometry& geometry = scene.images.front().geometry;
   const float range = (geometry.T_camera_scene * point).z();
   return diameter > kFewestErrors * scene.sensor.error_at(range) &&
+         step > kFewestErrorsOfStep * scene.sensor.correlated_noise_at(range).height &&
          diameter * geometry.fx > kFewestErrors * range;
 }
 
@@ -527,7 +534,7 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
-    if (!shows(scene, points[i], largest_diameter)) continue;
+    if (!shows(scene, points[i], largest_diameter, step)) continue;
     sample.points.push_back(points[i]);
     sample.normals.push_back(normals[i]);
   }
@@ -562,13 +569,12 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
     level.normals.push_back(sample.normals[i]);
   }
 
+  level.references.resize(level.points.size());
+  std::iota(level.references.begin(), level.references.end(), 0U);
   const std::size_t num_references =
       clamped_integer(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
                       std::size_t{0}, std::size_t{options.max_references});
-  for (std::size_t k = 0; k < num_references; ++k) {
-    level.references.push_back(
-        static_cast<std::uint32_t>(k * level.points.size() / num_references));
-  }
+  level.references.resize(thin_by_pixels(scene, level.points, num_references, level.references));
   level.grid =
       kernels::VoxelHash(level.points, std::max(sample.step, 0.25F * sample.largest_diameter));
   return level;

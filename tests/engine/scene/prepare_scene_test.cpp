@@ -289,6 +289,25 @@ TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
   EXPECT_FLOAT_EQ(farthest(0.05F), 4) << "a closed surface has no sensor";
 }
 
+// Normals of points that close together would be those of the error, not of the surface.
+TEST(SampleScene, LeavesOutWhereNeighborsErrTogetherByAThirdOfTheStep) {
+  engine::PreparedScene scene;
+  scene.view.kind = SceneKind::image;
+  kernels::RangeImage& image = scene.images.emplace_back();
+  image.geometry = {Pose::Identity(), 500, 500, 319.5F, 239.5F, 640, 480};
+  for (int k = 0; k < 40; ++k) {
+    scene.points.push_back({0.02F * static_cast<float>(k), 0, 0.1F * static_cast<float>(k + 1)});
+    scene.normals.push_back({0, 0, -1});
+  }
+  scene.sensor = {.range = 1, .correlated_noise = {.height = 0.001F}, .exponent = 2};
+  const auto farthest = [&](float step) {
+    const engine::SceneSample sample = engine::sample_scene(scene, step, 10);
+    return sample.points[sample.points.size() - 1].z();
+  };
+  EXPECT_FLOAT_EQ(farthest(0.01F), 1.8F) << "its neighbors err by 3.3 mm together at 1.83 m";
+  EXPECT_FLOAT_EQ(farthest(0.03F), 3.1F);
+}
+
 // Points in front of or behind an explained surface are not explained by it.
 TEST(ChooseVoters, KeepsPointsAtOtherDepthsThanTheMarkedPixels) {
   engine::PreparedScene scene = prepare(two_parts(), {});
