@@ -360,7 +360,8 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
           {.name = "max-keypoints",
            .group = kMatching,
            .label = "most keypoints",
-           .help = "Of more, so many spread over all are described; three tenths of it after votes",
+           .help =
+               "Of more, so many spread over the image are described; a fifth of it after votes",
            .range = {1, kAny}}),
       declare<TRIVET_FIELD(match.limits.max_lean)>(
           {.name = "max-lean",

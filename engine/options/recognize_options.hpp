@@ -25,7 +25,7 @@ struct VoteOptions {
   /// more noise.
   float radius = 0.4F;
   float reference_share = 0.1F;  ///< share of the sampled scene points that become references
-  std::uint32_t max_references = 4000;  ///< maximum number of references per size of models
+  std::uint32_t max_references = 2000;  ///< maximum number of references per size of models
   float neighbor_share = 0;  ///< share of a bin, at its ends, where the adjacent cell votes too
   /// Maximum per reference point and model; the fullest cells are dropped first.
   std::uint32_t max_votes = 40000;
@@ -54,7 +54,7 @@ enum class Grouping : std::uint8_t {
 struct MatchOptions {
   Detector detector = Detector::uniform;
   float spacing = 3;  ///< spacing of a scene's keypoints [resolutions of the models]
-  /// Maximum number of described keypoints, subsampled evenly; three tenths of it after votes.
+  /// Maximum number of described keypoints, evenly among the pixels; a fifth of it after votes.
   std::uint32_t max_keypoints = 10000;
   /// Limits for keypoints; flat, border and unstable ones are dropped.
   kernels::FrameLimits limits{};

@@ -9,9 +9,9 @@
 namespace trivet::engine {
 namespace {
 
-// Share of the keypoints that are described after votes. Of four draws of the points that vote in 25
-// sets of real scans, the average precision is 0.957 with all and 0.958 with these.
-constexpr std::uint32_t kTenthsAfterVotes = 3;
+// Of so many keypoints one is described after votes. Of four draws of the points that vote in 25 sets
+// of real scans, the average precision is 0.961 with these as with three tenths.
+constexpr std::uint32_t kPartAfterVotes = 5;
 
 /// Reset the options whose values alone implement an improvement in `options.ablated` to their
 /// values without it. The other improvements are switched off in the stages.
@@ -109,7 +109,7 @@ WorkLimits work_limits(const RecognizeOptions& options, const Library& library) 
     return std::max<std::size_t>(
         1, static_cast<std::size_t>(std::llround(count * static_cast<double>(options.budget))));
   };
-  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000), scaled(20000)};
+  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000), scaled(6000)};
 }
 
 VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimits& work) {
@@ -125,7 +125,7 @@ VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimit
 MatchPlan plan_matches(const MatchOptions& options, bool votes_first, bool votes_reach_all) {
   MatchPlan plan{options};
   if (votes_first)
-    plan.options.max_keypoints = std::max(1U, options.max_keypoints / 10 * kTenthsAfterVotes);
+    plan.options.max_keypoints = std::max(1U, options.max_keypoints / kPartAfterVotes);
   if (votes_reach_all) return plan;
   plan.options.num_neighbors = std::max(options.num_neighbors, 10U);
   plan.options.num_lists = std::max(options.num_lists, 8U);

@@ -108,11 +108,11 @@ TEST_F(Recognize, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
   const float best = all->detections[0].score, second = all->detections[1].score;
   const auto sure = recognize(recognizer_, scene, {}, {.min_score = best});
   const auto more =
-      recognize(recognizer_, scene, {}, {.min_score = best, .doubtful_score = second});
+      recognize(recognizer_, scene, {}, {.min_score = best, .doubtful_score = 0.9F * second});
   ASSERT_TRUE(sure && more);
   EXPECT_EQ(sure->detections.size(), 1U);
   ASSERT_EQ(more->detections.size(), 2U);
-  EXPECT_EQ(more->detections[1].score, second);
+  EXPECT_NEAR(more->detections[1].score, second, 1e-3) << "what else is there moves it a little";
 }
 
 TEST_F(Recognize, ReportsRejectedPosesOnRequest) {

@@ -145,15 +145,15 @@ TEST(PlanSearch, BoundsTheWorkOfASceneNotThatOfAModel) {
   const SearchPlan twice = planned({.budget = 2}, library_of(1000));
   EXPECT_EQ(2 * thousand.limits.examined, twice.limits.examined);
   EXPECT_EQ(twice.rounds[1].votes->max_models, 120U);
-  EXPECT_EQ(few.rounds[0].votes->max_pairs, 20000U);
-  EXPECT_EQ(twice.rounds[1].votes->max_pairs, 40000U);
+  EXPECT_EQ(few.rounds[0].votes->max_pairs, 6000U);
+  EXPECT_EQ(twice.rounds[1].votes->max_pairs, 12000U);
 }
 
 TEST(PlanSearch, DescribesFewerKeypointsAfterVotes) {
   const auto keypoints = [](const SearchPlan& plan, std::size_t round) {
     return plan.rounds[round].matches->options.max_keypoints;
   };
-  EXPECT_EQ(keypoints(planned({}, library_of(60)), 1), 3000U);
+  EXPECT_EQ(keypoints(planned({}, library_of(60)), 1), 2000U);
   EXPECT_EQ(keypoints(planned({.match = {.max_keypoints = 1}}, library_of(60)), 1), 1U);
   EXPECT_EQ(keypoints(planned({}, library_of(61)), 0), 10000U) << "matches come first";
   EXPECT_EQ(keypoints(planned({.method = Method::trisi}, library_of(2)), 0), 10000U);
