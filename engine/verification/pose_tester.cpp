@@ -35,8 +35,7 @@ constexpr double kAsGood = 1, kLeast = 1e-6;
 // Of two poses that a test was made of, the second has to be that much likelier: the better of two
 // noisy scores is too high [log odds].
 constexpr double kClearlyBetter = 1;
-// Unless its residuals are half as large: where neighboring errors are correlated, the score hardly
-// rises with a closer fit.
+// Unless its residuals are half as large (fits_closer).
 constexpr float kMuchCloser = 0.25F;
 // What all measurements of an object may be off together, which no number of them reduces [their
 // standard deviation]. Of 583 poses in made scans by laser and structured light, half of which it was
@@ -52,6 +51,12 @@ constexpr float kPoseSigmas = 3;
 constexpr float kLeastError = 0.05F;
 
 }  // namespace
+
+bool fits_closer(const TestedPose& pose, const TestedPose& other) noexcept {
+  return pose.test.examination.mean_square < kMuchCloser * other.test.examination.mean_square &&
+         kernels::log_odds(pose.score, kLeast) >
+             kernels::log_odds(other.score, kLeast) - kClearlyBetter;
+}
 
 Result<TestedModel> tested_model(const Library& library, std::uint32_t model) {
   TRIVET_TRY_ASSIGN(const kernels::ModelSamples samples, kernel_samples(library, model));
@@ -230,11 +235,9 @@ TestedPose PoseTester::polish_and_examine(const kernels::RayScene& surface,
   TestedPose tested = examine(surface, score, wide, scratch);
   if (!are_apart(wide, narrow)) return tested;
   TestedPose other = examine(surface, score, narrow, scratch);
-  const bool is_closer =
-      other.test.examination.mean_square < kMuchCloser * tested.test.examination.mean_square;
   const bool is_better =
-      kernels::log_odds(other.score, kLeast) >
-      kernels::log_odds(tested.score, kLeast) + (is_closer ? -kClearlyBetter : kClearlyBetter);
+      fits_closer(other, tested) || kernels::log_odds(other.score, kLeast) >
+                                        kernels::log_odds(tested.score, kLeast) + kClearlyBetter;
   return is_better ? std::move(other) : std::move(tested);
 }
 

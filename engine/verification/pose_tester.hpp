@@ -36,6 +36,10 @@ struct TestedModel {
 /// A model of a library. Errors: bad_data (its samples are damaged).
 Result<TestedModel> tested_model(const Library& library, std::uint32_t model);
 
+/// Whether a tested pose fits the scan much closer than another one and is about as likely: where
+/// neighboring errors are correlated, or there are none, the score hardly rises with a closer fit.
+bool fits_closer(const TestedPose& pose, const TestedPose& other) noexcept;
+
 /// Tests poses of one model, whose library must outlive it, as must the scene and the options. Its
 /// methods are thread-safe.
 class PoseTester {

@@ -138,6 +138,24 @@ TEST_F(TrainRecognize, FindsTheModelWhereItIs) {
   }
 }
 
+// Of poses that score alike on a scan without noise, the one that fits is reported, whichever points
+// vote.
+TEST_F(TrainRecognize, ReportsTheExactPoseOfAScanWithoutNoise) {
+  const Pose expected = truth();
+  for (const char* share : {"0.09", "0.095", "0.1", "0.11"}) {
+    const test::Outcome outcome = run({"recognize", "library.h5", "scan.ply", "--reference-share",
+                                       share, "--json", "exact.json"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    const nlohmann::json scene = nlohmann::json::parse(bytes("exact.json"))["scenes"][0];
+    ASSERT_EQ(scene.at("detections").size(), 1U);
+    const nlohmann::json& T = scene["detections"][0]["T_scene_model"];
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 4; ++column)
+        EXPECT_NEAR(T[row][column], expected.matrix()(row, column), 1e-3F) << share;
+    }
+  }
+}
+
 // Lengths are in the file's unit, except for `noise` of the scene, which is in the library's.
 TEST_F(TrainRecognize, ReportsTheErrorsOfTheScan) {
   constexpr float kNoise = 5e-4F;
