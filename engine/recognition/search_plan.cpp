@@ -101,15 +101,18 @@ struct WorkLimits {
   std::size_t voting_pairs = kNoLimit;  // of a reference point and a model, in a round
 };
 
-/// No limits if nothing chooses the models to vote for.
-WorkLimits work_limits(const RecognizeOptions& options, const Library& library) {
-  const bool has_index = options.method != Method::ppf && library.basis.components.size() > 0;
-  if (options.search == Search::exhaustive || !has_index) return {};
+/// No limits if votes reach only some models, and nothing chooses these.
+WorkLimits work_limits(const RecognizeOptions& options, const Library& library,
+                       std::size_t num_models) {
   const auto scaled = [&](double count) {
     return std::max<std::size_t>(
         1, static_cast<std::size_t>(std::llround(count * static_cast<double>(options.budget))));
   };
-  return {scaled(30000), scaled(1000), scaled(200), scaled(60), scaled(1200000), scaled(6000)};
+  const WorkLimits limits{scaled(30000), scaled(1000),    scaled(200),
+                          scaled(60),    scaled(1200000), scaled(6000)};
+  const bool has_index = options.method != Method::ppf && library.basis.components.size() > 0;
+  const bool is_chosen = has_index || num_models <= limits.voted_models;
+  return options.search == Search::exhaustive || !is_chosen ? WorkLimits{} : limits;
 }
 
 VotePlan plan_votes(VoteOptions options, std::size_t num_models, const WorkLimits& work) {
@@ -140,7 +143,7 @@ MatchPlan plan_matches(const MatchOptions& options, bool votes_first, bool votes
 /// number of features. Later rounds search what no confident detection explains.
 void plan_rounds(const RecognizeOptions& options, const Library& library, SearchPlan& plan) {
   const std::size_t num_models = plan.models.size();
-  const WorkLimits work = work_limits(options, library);
+  const WorkLimits work = work_limits(options, library, num_models);
   const bool votes_reach_all = num_models <= work.voted_models;
   plan.limits.screened = work.screened;
   plan.limits.refined = work.refined;

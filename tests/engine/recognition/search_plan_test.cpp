@@ -149,6 +149,15 @@ TEST(PlanSearch, BoundsTheWorkOfASceneNotThatOfAModel) {
   EXPECT_EQ(twice.rounds[1].votes->max_pairs, 12000U);
 }
 
+TEST(PlanSearch, BoundsTheWorkOfVotesAloneWhereTheyReachAllModels) {
+  const auto planned_votes = [](std::uint32_t num_models) {
+    return planned({.method = Method::ppf}, library_of(num_models, true, 1));
+  };
+  EXPECT_EQ(planned_votes(60).rounds[0].votes->max_pairs, 6000U);
+  EXPECT_EQ(planned_votes(60).limits.screened, planned({}, library_of(60)).limits.screened);
+  EXPECT_EQ(planned_votes(61).rounds[0].votes->max_pairs, kNoLimit) << "nothing chooses models";
+}
+
 TEST(PlanSearch, DescribesFewerKeypointsAfterVotes) {
   const auto keypoints = [](const SearchPlan& plan, std::size_t round) {
     return plan.rounds[round].matches->options.max_keypoints;
