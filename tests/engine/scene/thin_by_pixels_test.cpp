@@ -37,6 +37,12 @@ TEST(ThinByPixels, GivesNearAndFarSurfacesTheirShareOfTheImage) {
   EXPECT_TRUE(num_near >= 149 && num_near <= 151) << num_near;
 }
 
+TEST(ThinByPixels, IsNotMisledByPointsAtTheSensor) {
+  engine::PreparedScene scene = near_and_far();
+  for (const float range : {0.0F, 1e-6F, -1.0F, 1e-3F}) scene.points.push_back({0, 0, range});
+  EXPECT_GE(kept(scene, 300).size(), 298U);
+}
+
 TEST(ThinByPixels, DoesNotDependOnTheUnit) {
   engine::PreparedScene scene = near_and_far();
   const std::vector<std::uint32_t> in_meters = kept(scene, 300);
