@@ -57,7 +57,9 @@ class AmbiguityTest {
   /// Move the pose of a row to the best turn and alternative, and find the alternatives that are not
   /// distinguished from it. Returns how other turns compare with it.
   kernels::TurnComparison settle(Row row, TestedPose& pose, std::vector<Alike>& alike) {
-    pose = closest_fit(row);
+    const PoseTable& table = poses_.table;
+    const Row from = closest_fit(row);
+    pose = {table.T_scene_model[from], table.score[from], table.test(from)};
     kernels::TurnComparison turns = settle_turn(pose);
     // Where neighboring errors are correlated, edges and creases appear displaced and scores err
     // alike: pixels alone decide, and only if they differ significantly.
@@ -68,7 +70,7 @@ class AmbiguityTest {
       alike.clear();
       std::optional<TestedPose> better;
       double most = 0;
-      for (const Pose& alternative : alternatives_of(poses_.table.model[row], pose.T_scene_model)) {
+      for (const Pose& alternative : alternatives_of(table.model[row], pose.T_scene_model)) {
         const kernels::PoseComparison comparison = compare(alternative, pose.T_scene_model);
         TestedPose tested = examine(alternative);
         const double log_odds = std::lerp(rival_log_odds(tested.score, pose.score, comparison),
@@ -87,20 +89,18 @@ class AmbiguityTest {
     return turns;
   }
 
-  /// The pose of a row, or the tested one of this placement that fits much closer and is about as
-  /// likely.
-  TestedPose closest_fit(Row row) const {
+  /// The row, or that of the same placement whose pose fits much closer and is about as likely.
+  Row closest_fit(Row row) const {
     const PoseTable& table = poses_.table;
-    const auto tested = [&](Row of) {
-      return TestedPose{table.T_scene_model[of], table.score[of], table.test(of)};
+    const auto fit_of = [&](Row of) {
+      return PoseFit{table.score[of], table.test(of).examination.mean_square};
     };
-    TestedPose closest = tested(row);
+    Row closest = row;
     for (const Row other : poses_.rows) {
-      if (table.model[other] != table.model[row] ||
-          !same_placement(model_, table.T_scene_model[row], table.T_scene_model[other]))
-        continue;
-      TestedPose candidate = tested(other);
-      if (fits_closer(candidate, closest)) closest = std::move(candidate);
+      if (table.model[other] == table.model[row] &&
+          same_placement(model_, table.T_scene_model[row], table.T_scene_model[other]) &&
+          fits_closer(fit_of(other), fit_of(closest)))
+        closest = other;
     }
     return closest;
   }

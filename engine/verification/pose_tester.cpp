@@ -52,8 +52,8 @@ constexpr float kLeastError = 0.05F;
 
 }  // namespace
 
-bool fits_closer(const TestedPose& pose, const TestedPose& other) noexcept {
-  return pose.test.examination.mean_square < kMuchCloser * other.test.examination.mean_square &&
+bool fits_closer(const PoseFit& pose, const PoseFit& other) noexcept {
+  return pose.mean_square < kMuchCloser * other.mean_square &&
          kernels::log_odds(pose.score, kLeast) >
              kernels::log_odds(other.score, kLeast) - kClearlyBetter;
 }
@@ -235,9 +235,10 @@ TestedPose PoseTester::polish_and_examine(const kernels::RayScene& surface,
   TestedPose tested = examine(surface, score, wide, scratch);
   if (!are_apart(wide, narrow)) return tested;
   TestedPose other = examine(surface, score, narrow, scratch);
-  const bool is_better =
-      fits_closer(other, tested) || kernels::log_odds(other.score, kLeast) >
-                                        kernels::log_odds(tested.score, kLeast) + kClearlyBetter;
+  const bool is_better = fits_closer({other.score, other.test.examination.mean_square},
+                                     {tested.score, tested.test.examination.mean_square}) ||
+                         kernels::log_odds(other.score, kLeast) >
+                             kernels::log_odds(tested.score, kLeast) + kClearlyBetter;
   return is_better ? std::move(other) : std::move(tested);
 }
 

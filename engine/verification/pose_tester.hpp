@@ -36,9 +36,15 @@ struct TestedModel {
 /// A model of a library. Errors: bad_data (its samples are damaged).
 Result<TestedModel> tested_model(const Library& library, std::uint32_t model);
 
-/// Whether a tested pose fits the scan much closer than another one and is about as likely: where
+/// How likely a tested pose is, and how closely it fits the scan.
+struct PoseFit {
+  float score = 0;        ///< probability, 0..1
+  float mean_square = 0;  ///< of its residuals (Examination::mean_square)
+};
+
+/// Whether a pose fits the scan much closer than another one and is about as likely: where
 /// neighboring errors are correlated, or there are none, the score hardly rises with a closer fit.
-bool fits_closer(const TestedPose& pose, const TestedPose& other) noexcept;
+bool fits_closer(const PoseFit& pose, const PoseFit& other) noexcept;
 
 /// Tests poses of one model, whose library must outlive it, as must the scene and the options. Its
 /// methods are thread-safe.

@@ -265,8 +265,8 @@ TEST(ChooseVoters, ReadsMarksOfSeveralImagesOneAfterTheOther) {
   expect_unexplained_points_only(scene, marked);
 }
 
-// What is far away for its size cannot be tested there.
-TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
+/// A point every 0.1 m from 0.1 to 4 m of range, in a depth image.
+engine::PreparedScene receding_points() {
   engine::PreparedScene scene;
   scene.view.kind = SceneKind::image;
   kernels::RangeImage& image = scene.images.emplace_back();
@@ -275,10 +275,19 @@ TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
     scene.points.push_back({0.02F * static_cast<float>(k), 0, 0.1F * static_cast<float>(k + 1)});
     scene.normals.push_back({0, 0, -1});
   }
-  const auto farthest = [&](float diameter) {
-    const engine::SceneSample sample = engine::sample_scene(scene, 0.01F, diameter);
-    return sample.points.size() == 0 ? 0 : sample.points[sample.points.size() - 1].z();
-  };
+  return scene;
+}
+
+/// The range of the farthest point in a sample of such a scene; 0: none.
+float farthest_sampled(const engine::PreparedScene& scene, float step, float diameter) {
+  const engine::SceneSample sample = engine::sample_scene(scene, step, diameter);
+  return sample.points.size() == 0 ? 0 : sample.points[sample.points.size() - 1].z();
+}
+
+// What is far away for its size cannot be tested there.
+TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
+  engine::PreparedScene scene = receding_points();
+  const auto farthest = [&](float diameter) { return farthest_sampled(scene, 0.01F, diameter); };
   scene.sensor = {.range = 1, .noise = 0};
   EXPECT_FLOAT_EQ(farthest(0.05F), 0.9F) << "beyond 1 m it is less than 25 pixels wide";
   EXPECT_FLOAT_EQ(farthest(0.5F), 4);
@@ -291,21 +300,11 @@ TEST(SampleScene, LeavesOutWhereModelsAreTooFewPixelsOrErrorsWide) {
 
 // Normals of points that close together would be those of the error, not of the surface.
 TEST(SampleScene, LeavesOutWhereNeighborsErrTogetherByAThirdOfTheStep) {
-  engine::PreparedScene scene;
-  scene.view.kind = SceneKind::image;
-  kernels::RangeImage& image = scene.images.emplace_back();
-  image.geometry = {Pose::Identity(), 500, 500, 319.5F, 239.5F, 640, 480};
-  for (int k = 0; k < 40; ++k) {
-    scene.points.push_back({0.02F * static_cast<float>(k), 0, 0.1F * static_cast<float>(k + 1)});
-    scene.normals.push_back({0, 0, -1});
-  }
+  engine::PreparedScene scene = receding_points();
   scene.sensor = {.range = 1, .correlated_noise = {.height = 0.001F}, .exponent = 2};
-  const auto farthest = [&](float step) {
-    const engine::SceneSample sample = engine::sample_scene(scene, step, 10);
-    return sample.points[sample.points.size() - 1].z();
-  };
-  EXPECT_FLOAT_EQ(farthest(0.01F), 1.8F) << "its neighbors err by 3.3 mm together at 1.83 m";
-  EXPECT_FLOAT_EQ(farthest(0.03F), 3.1F);
+  EXPECT_FLOAT_EQ(farthest_sampled(scene, 0.01F, 10), 1.8F)
+      << "its neighbors err by 3.3 mm together at 1.83 m";
+  EXPECT_FLOAT_EQ(farthest_sampled(scene, 0.03F, 10), 3.1F);
 }
 
 // Points in front of or behind an explained surface are not explained by it.
