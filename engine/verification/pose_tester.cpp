@@ -47,6 +47,8 @@ constexpr float kApart = 0.5F;
 constexpr float kMostShift = 0.1F, kMostTurnRad = 0.35F;
 // Errors of a pose are smaller in 99.9 % of all cases [standard deviations].
 constexpr float kPoseSigmas = 3;
+// Samples for what the scan shows behind a plane, and how many of them are no stray measurements.
+constexpr std::size_t kSamplesBehind = 300, kFewestBehind = 8;
 // A measurement errs by this share of the tolerance at least.
 constexpr float kLeastError = 0.05F;
 
@@ -72,6 +74,8 @@ PoseTester::PoseTester(const TestedModel& model, const PreparedScene& scene,
       samples_(model.samples),
       distance_step_(model.distance_step) {
   if (options.background) background_ = background_planes(scene, model_.diameter);
+  for (std::size_t k = 0; k < background_.size(); ++k)
+    faces_[k + 1] = background_[k] != 0 && scene.ground[k] == 0;
 }
 
 float PoseTester::range_of(const Pose& pose) const {
@@ -92,7 +96,22 @@ kernels::VerifyOptions PoseTester::strict(const Pose& pose) const {
   strict.tolerance = tolerance_at(pose);
   strict.plane_is_background = background_;
   strict.bearing_plane = bearing_plane(pose, strict.tolerance);
+  strict.open_planes = open_planes(pose, strict.tolerance);
   return strict;
+}
+
+/// The background planes behind which the scan shows something where the model is: they end there, as
+/// the face of a plate does that lies on another part, and hide only what is beneath them.
+kernels::PlaneSet PoseTester::open_planes(const Pose& pose, float tolerance) const {
+  kernels::PlaneSet open;
+  for (std::size_t k = 0; k < background_.size(); ++k) {
+    if (!faces_[k + 1]) continue;
+    const kernels::Plane& plane = scene_.planes[k];
+    open[k + 1] =
+        kernels::count_seen_behind(scene_.images.front(), samples_, kSamplesBehind, pose, plane,
+                                   tolerance + plane.thickness) >= kFewestBehind;
+  }
+  return open;
 }
 
 /// The number of the background plane on which a model at this pose bears while a part of it is
@@ -159,6 +178,7 @@ kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
   loose.tolerance = std::max(0.75F * distance_step_, 3 * error_at(pose));
   loose.plane_is_background = background_;
+  loose.open_planes = faces_;
   return loose;
 }
 

@@ -103,6 +103,7 @@ class PoseTester {
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
   std::uint8_t bearing_plane(const Pose& pose, float tolerance) const;
+  kernels::PlaneSet open_planes(const Pose& pose, float tolerance) const;
   /// bearing  see VerifyOptions::bearing_plane
   float depth_in_ground(const Pose& pose, const FullTest& test, std::uint8_t bearing) const;
   /// Tolerance of residuals of a refined pose [library unit].
@@ -116,6 +117,7 @@ class PoseTester {
   kernels::ModelSamples samples_;
   float distance_step_;
   std::vector<std::uint8_t> background_;
+  kernels::PlaneSet faces_;  // background planes that have something behind them somewhere
 };
 
 }  // namespace trivet::engine

@@ -1,5 +1,6 @@
 #include "kernels/verification/reach_behind.hpp"
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -33,6 +34,27 @@ PlaneReach reach_behind(const ModelSamples& samples, const Pose& T_scene_model, 
     }
   }
   return out;
+}
+
+std::size_t count_seen_behind(const RangeImage& image, const ModelSamples& samples,
+                              std::size_t num_samples, const Pose& T_scene_model,
+                              const Plane& plane, float distance) noexcept {
+  const ImageGeometry& geometry = image.geometry;
+  const Pose T_camera_model = geometry.T_camera_scene * T_scene_model;
+  // The plane in the camera's frame.
+  const Eigen::Vector3f normal = geometry.T_camera_scene.linear() * plane.normal;
+  const float offset = plane.offset + normal.dot(geometry.T_camera_scene.translation());
+  const std::size_t n = std::min(num_samples, samples.points.size());
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector3f point = samples.points[i];
+    const std::int64_t at = geometry.pixel_of(T_camera_model * point);
+    if (at < 0) continue;
+    const auto pixel = static_cast<std::size_t>(at);
+    const float depth = image.depth[pixel];
+    if (depth > 0 && normal.dot(geometry.back_project(pixel, depth)) < offset - distance) ++count;
+  }
+  return count;
 }
 
 bool is_surrounded(const RangeImage& image, std::uint8_t plane,

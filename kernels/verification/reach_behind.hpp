@@ -26,6 +26,14 @@ struct PlaneReach {
 PlaneReach reach_behind(const ModelSamples& samples, const Pose& T_scene_model, const Plane& plane,
                         float tolerance) noexcept;
 
+/// Count those of the first `num_samples` samples of a posed model on whose pixels the image shows
+/// something more than `distance` behind a plane.
+///
+/// plane  in the scene's frame, its normal toward the sensor
+std::size_t count_seen_behind(const RangeImage& image, const ModelSamples& samples,
+                              std::size_t num_samples, const Pose& T_scene_model,
+                              const Plane& plane, float distance) noexcept;
+
 /// Whether an image shows a plane on all sides of a place on it: on either side along the rows, the
 /// columns and both diagonals, however much is hidden between.
 ///

@@ -1,6 +1,7 @@
 /// Comparison of a posed model with the scan.
 #pragma once
 
+#include <bitset>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -19,6 +20,9 @@ inline bool is_background_plane(std::span<const std::uint8_t> plane_is_backgroun
   return plane > 0 && plane <= plane_is_background.size() && plane_is_background[plane - 1] != 0;
 }
 
+/// Planes of a scan, by number.
+using PlaneSet = std::bitset<256>;
+
 struct VerifyOptions {
   float tolerance = 0;  ///< largest perpendicular distance of agreement [scene unit], > 0
   float max_normal_angle_rad = 0.8F;  ///< largest angle between model and scene normals
@@ -27,6 +31,8 @@ struct VerifyOptions {
   /// Number of the plane that the model bears on, so that a part of it may be let into a hole
   /// there; 0: none.
   std::uint8_t bearing_plane = 0;
+  /// Planes that hide what is behind them as any surface does: faces of bodies that end nearby.
+  PlaneSet open_planes{};
 
   /// Whether a pixel's plane number (0: none) belongs to a background plane.
   bool is_background(std::uint8_t plane) const noexcept {
@@ -34,7 +40,7 @@ struct VerifyOptions {
   }
   /// Whether it belongs to a plane that the model cannot reach behind.
   bool is_solid(std::uint8_t plane) const noexcept {
-    return is_background(plane) && plane != bearing_plane;
+    return is_background(plane) && plane != bearing_plane && !open_planes[plane];
   }
 };
 

@@ -98,5 +98,18 @@ TEST_F(PoseTesterOnATable, RefusesATallBlockInPlaceOfALowOne) {
   EXPECT_EQ(examine(recognizer_of(tall), with_plate, on_plate).test.depth_in_ground, 0);
 }
 
+TEST_F(PoseTesterOnATable, FindsAPartUnderAPlate) {
+  // A plate above an end of the part, whose face is larger than the part and has the table behind it.
+  const test::Shape part = hand(1), plate = test::box({-0.2F, -0.2F, 0.05F}, {0.01F, 0.2F, 0.06F});
+  const PreparedScene scene = scan_of({{&slab_, table_}, {&part, table_}, {&plate, table_}});
+  const TestedPose there = examine(recognizer_of(part), scene, table_);
+  EXPECT_GT(there.test.examination.occluded, 0);
+  EXPECT_LT(there.test.examination.violation, 0.02F * there.test.examination.covered);
+  EXPECT_GT(there.score, 0.5F);
+  // Nothing is seen of a part that the same plate hides altogether.
+  const Pose below = table_ * test::pose_of({0, 0, 0}, {-0.1F, 0, 0});
+  EXPECT_GT(examine(recognizer_of(part), scene, below).test.examination.violation, 0);
+}
+
 }  // namespace
 }  // namespace trivet::engine

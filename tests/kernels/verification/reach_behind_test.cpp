@@ -74,6 +74,31 @@ TEST(ReachBehind, AgreesWithANaiveReference) {
   }
 }
 
+// A wall whose left half is 2 cm farther away than its right half.
+TEST(CountSeenBehind, CountsTheSamplesOnPixelsBehindThePlane) {
+  const test::SampledShape sampled = headed_screw();
+  RangeImage image;
+  image.geometry = {test::pose_of({0, 0, 0}, {0, 0, 1}), 400, 400, 39.5F, 29.5F, 80, 60};
+  for (int v = 0; v < 60; ++v) {
+    for (int u = 0; u < 80; ++u) image.depth.push_back(u < 40 ? 1.02F : 1.0F);
+  }
+  const Plane right{Vector3f(0, 0, -1), 0, 1, 0};  // in the scene's frame, which is 1 m away
+  const auto count = [&](float shift, float distance, std::size_t num_samples = 1 << 20) {
+    return count_seen_behind(image, sampled.view(), num_samples,
+                             test::pose_of({0, 0, 0}, {shift, 0, 0}), right, distance);
+  };
+  EXPECT_EQ(count(-0.03F, 0.01F), sampled.points.size());
+  EXPECT_EQ(count(-0.03F, 0.01F, 300), 300U);
+  EXPECT_EQ(count(-0.03F, 0.03F), 0U) << "what is seen is nearer";
+  EXPECT_EQ(count(0.03F, 0.01F), 0U);
+  EXPECT_NEAR(static_cast<double>(count(0, 0.01F)),
+              0.5 * static_cast<double>(sampled.points.size()),
+              0.1 * static_cast<double>(sampled.points.size()));
+  EXPECT_EQ(count(1, 0.01F), 0U) << "outside the image";
+  image.depth.assign(image.depth.size(), 0);
+  EXPECT_EQ(count(-0.03F, 0.01F), 0U) << "nothing is measured";
+}
+
 TEST(IsSurrounded, NeedsThePlaneOnBothSidesAlongEachLine) {
   RangeImage image;
   image.geometry = {Pose::Identity(), 100, 100, 19.5F, 14.5F, 40, 30};

@@ -238,6 +238,12 @@ TEST(VerifyPose, LetsWhatBearsOnAPlaneReachThroughIt) {
   EXPECT_GT(let_in.occluded, 0U);
   EXPECT_EQ(let_in.violation + let_in.occluded, solid.violation);
   EXPECT_EQ(let_in.background, solid.background) << "the plane supports it as little as before";
+  options.bearing_plane = 0;
+  options.open_planes.set(1);
+  const Evidence under_it = verify();
+  EXPECT_EQ(under_it.violation, let_in.violation);
+  EXPECT_EQ(under_it.occluded, let_in.occluded);
+  EXPECT_EQ(under_it.background, let_in.background);
 }
 
 TEST(VerifyPose, WantsNormalsToAgreeWhereThereAreAny) {
