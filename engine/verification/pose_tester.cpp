@@ -324,11 +324,8 @@ TestedPose PoseTester::examine_once(const kernels::RayScene& surface,
   test.parts = kernels::score_parts(e, e.tolerance / model_.diameter, scene_.sensor.correlation);
   const bool looked_through =
       e.violation > kMostViolation * (e.consistent + e.violation + e.background);
-  // In scans without background nothing beside the object is measured, and small models would fit
-  // anywhere. On rendered scenes, 99.4 % of the correct poses pass.
-  const bool mostly_unknown = e.unknown > e.consistent;
   test.depth_in_ground = depth_in_ground(pose, test, options.verify.bearing_plane);
-  if (!looked_through && !mostly_unknown && !(test.depth_in_ground > 0))
+  if (!looked_through && !(test.depth_in_ground > 0))
     tested.score = kernels::pose_probability(score, test.parts);
   return tested;
 }

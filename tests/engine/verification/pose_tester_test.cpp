@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -96,6 +97,24 @@ TEST_F(PoseTesterOnATable, RefusesATallBlockInPlaceOfALowOne) {
   const Pose on_plate = table_ * test::pose_of({0, 0, 0}, {0, 0, 0.04F});
   const PreparedScene with_plate = scan_of({{&slab_, table_}, {&plate, table_}, {&low, on_plate}});
   EXPECT_EQ(examine(recognizer_of(tall), with_plate, on_plate).test.depth_in_ground, 0);
+}
+
+// Scanners with a laser line see little of the inside of a box.
+TEST_F(PoseTesterOnATable, ScoresWhatIsMostlyNotMeasured) {
+  const test::Shape part = hand(1);
+  Cloud scan = test::render_scan({{&slab_, table_}, {&part, table_}});
+  const Pose T_part_camera = table_.inverse();
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Vector3f point = T_part_camera * Eigen::Vector3f(scan.points[i]);
+    if (point.x() < 0.005F && point.x() > -0.05F && point.z() > 0.001F && point.z() < 0.021F)
+      scan.points.set(i, Eigen::Vector3f::Constant(std::numeric_limits<float>::quiet_NaN()));
+  }
+  StageTimes times;
+  const auto scene = prepare_scene(std::move(scan), {}, times);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const TestedPose there = examine(recognizer_of(part), *scene, table_);
+  EXPECT_GT(there.test.examination.unknown, there.test.examination.consistent);
+  EXPECT_GT(there.score, 0.1F);
 }
 
 TEST_F(PoseTesterOnATable, FindsAPartUnderAPlate) {
