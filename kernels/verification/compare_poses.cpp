@@ -1,6 +1,7 @@
 #include "kernels/verification/compare_poses.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -22,7 +23,8 @@ constexpr double kFewestRays = 50, kFewHoles = 0.02;
 struct Rendered {
   bool meets = false;
   float z = 0;
-  float scale = 0;  // perpendicular distance per depth; 0 for a grazing surface
+  float facing = 0;  // cosine between the ray and the normal
+  float scale = 0;   // perpendicular distance per depth; 0 for a grazing surface
 };
 
 Rendered render(const RayHits& hits, std::size_t at, const Eigen::Matrix3f& R,
@@ -31,7 +33,7 @@ Rendered render(const RayHits& hits, std::size_t at, const Eigen::Matrix3f& R,
   if (!std::isfinite(z)) return {};
   const float length = ray.norm();
   const float facing = std::abs((R * hits.normals[at]).dot(ray)) / length;
-  return {true, z, facing > kMinRayCosine ? facing * length : 0};
+  return {true, z, facing, facing > kMinRayCosine ? facing * length : 0};
 }
 
 class Comparer {
@@ -43,10 +45,10 @@ class Comparer {
         blended_(kBlended * static_cast<double>(correlation)) {}
 
   /// Whether the renderings of the poses differ here.
-  bool differ(const Rendered& a, const Rendered& b) const noexcept {
+  bool differ(const Rendered& a, const Rendered& b, int u, int v) const noexcept {
     if ((a.meets && a.scale == 0) || (b.meets && b.scale == 0)) return false;
     if (!a.meets || !b.meets) return a.meets != b.meets;
-    return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
+    return !is_missing(u, v) && std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
   }
 
   /// Whether a measurement lies at or behind the nearer surface, so that it tells of both.
@@ -60,8 +62,12 @@ class Comparer {
   /// Count a ray for the shares of missing measurements.
   void count(const Rendered& a, const Rendered& b, int u, int v) noexcept {
     if (a.meets != b.meets) return;
-    if (!a.meets) return off_.add(is_missing(u, v));
-    if (a.scale > 0 && b.scale > 0) on_.add(is_missing(u, v));
+    const bool missing = is_missing(u, v);
+    if (!a.meets) return off_.add(missing);
+    if (a.scale == 0 || b.scale == 0) return;
+    on_.add(missing);
+    alike_[slot_of(a)].add(missing);
+    alike_[slot_of(b)].add(missing);
   }
 
   /// Log-likelihood of the measurement, relative to a pixel off the model.
@@ -69,7 +75,7 @@ class Comparer {
     if (!pose.meets) return 0;
     const float tolerance = options_.tolerance;
     const auto [r, pixel] = measure_along(image_, {u, v, pose.z, pose.scale}, tolerance);
-    if (pixel < 0) return log_missing();
+    if (pixel < 0) return log_missing(pose);
     const std::uint8_t plane = image_.plane[static_cast<std::size_t>(pixel)];
     if (options_.is_background(plane)) {
       const bool contradicts = r > tolerance || (r < -tolerance && options_.is_solid(plane));
@@ -94,11 +100,16 @@ class Comparer {
     double missing() const noexcept { return std::max(kFewHoles, num_missing / num); }
   };
 
-  /// Log-likelihood of a missing measurement, which is more frequent on a dark object and in the
-  /// shadow beside it.
-  double log_missing() const noexcept {
+  /// Log-likelihood of a missing measurement, which is more frequent on a dark object, where its
+  /// surface is seen aslant, and in the shadow beside it.
+  double log_missing(const Rendered& pose) const noexcept {
     if (std::min(on_.num, off_.num) < kFewestRays) return 0;
-    return std::log(on_.missing() / off_.missing());
+    const Share& alike = alike_[slot_of(pose)];
+    return std::log((alike.num < kFewestRays ? on_ : alike).missing() / off_.missing());
+  }
+
+  static std::size_t slot_of(const Rendered& pose) noexcept {
+    return std::min(kSlots - 1, static_cast<std::size_t>(pose.facing * static_cast<float>(kSlots)));
   }
 
   bool is_missing(int u, int v) const noexcept {
@@ -108,7 +119,9 @@ class Comparer {
   const RangeImage& image_;
   const VerifyOptions& options_;
   double sigma_, blended_;
-  Share on_, off_;  // rays that hit the model in both poses, and in neither
+  static constexpr std::size_t kSlots = 5;  // of the cosine
+  Share on_, off_;                          // rays that hit the model in both poses, and in neither
+  std::array<Share, kSlots> alike_;         // those of the first that see it by a cosine
 };
 
 auto ball_of(const ImageGeometry& g, const ModelSamples& samples, const Pose& T_camera_model) {
@@ -160,7 +173,7 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
       comparer.count(a, b, u, v);
     });
     for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t block) {
-      if (!comparer.differ(a, b)) return;
+      if (!comparer.differ(a, b, u, v)) return;
       out.num_votes += share;
       out.num_measured += comparer.is_measured(a, b, u, v) ? 1 : 0;
       scratch.votes[block] +=

@@ -44,12 +44,8 @@ struct CompareScratch {
 };
 
 /// Cast rays at both through the pixels that either may cover, at most some 2,500 per image, and
-/// add up log p(measured
-///
-/// first) - log p(measured
-///
-/// second) where the renderings differ: where depths are half a tolerance apart, or only one of
-/// them is hit.
+/// add up log p(measured given first) - log p(measured given second) where the renderings differ:
+/// where something is measured and depths are half a tolerance apart, or only one of them is hit.
 ///
 /// If the ray hits the model, the likelihood of the perpendicular residual r is a normal
 /// distribution around 0, as wide as noise and error of model and pose together, mixed with a
@@ -58,8 +54,8 @@ struct CompareScratch {
 /// is a background plane at the model's depth or a grazing surface. If neighbors err alike, part of
 /// the normal distribution is eight times as wide: thin parts and edges blend with their
 /// surroundings. Without a measurement, the likelihood is the share of such rays among those that
-/// hit the model in both poses, over the share among those that hit it in neither. A block of
-/// pixels with shared errors has one vote.
+/// hit the model in both poses where it faces them alike (sensors lose surfaces seen aslant), over
+/// the share among those that hit it in neither. A block of pixels with shared errors has one vote.
 /// compare_poses(b, a) is exactly the negative of compare_poses(a, b).
 /// Source: Vuong, Econometrica 1989 (likelihood ratio of non-nested models); z uses the mean square
 /// of the votes as their variance, so that a few cannot be significant.

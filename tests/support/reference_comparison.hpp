@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -33,6 +34,7 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
 
   struct Sight {
     double z, scale;  // scale 0: grazing
+    int fifth;        // of the cosine between ray and normal
   };
   const auto sight_along = [&](const Pose& pose,
                                const Eigen::Vector3f& ray) -> std::optional<Sight> {
@@ -42,7 +44,8 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     if (!hit) return std::nullopt;
     const Eigen::Vector3d d = ray.cast<double>();
     const double scale = std::abs((pose.linear() * hit.normal).cast<double>().dot(d));
-    return Sight{static_cast<double>(hit.distance), scale > 0.17 * d.norm() ? scale : 0};
+    return Sight{static_cast<double>(hit.distance), scale > 0.17 * d.norm() ? scale : 0,
+                 std::min(4, static_cast<int>(5 * scale / d.norm()))};
   };
   struct Measured {
     double residual;  // infinite without a hit
@@ -66,10 +69,24 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     }
     return Measured{best, background};
   };
-  const auto likelihood = [&](const std::optional<Sight>& sight, int u, int v, double missing) {
+  struct Share {
+    double num = 0, num_missing = 0;
+    void add(bool missing) {
+      num += 1;
+      num_missing += missing ? 1 : 0;
+    }
+    double missing() const { return std::max(0.02, num_missing / num); }
+  };
+  Share on, off;
+  std::array<Share, 5> alike;
+  const auto likelihood = [&](const std::optional<Sight>& sight, int u, int v) {
     if (!sight) return 1.0;
     const auto [r, background] = measured(*sight, u, v);
-    if (!std::isfinite(r)) return missing;
+    if (!std::isfinite(r)) {
+      if (std::min(on.num, off.num) < 50) return 1.0;
+      const Share& likewise = alike[static_cast<std::size_t>(sight->fifth)];
+      return (likewise.num < 50 ? on : likewise).missing() / off.missing();
+    }
     if (background) return std::abs(r) <= tolerance ? 1.0 : 0.03;
     const auto normal = [&](double wide) {
       return std::exp(-r * r / (2 * wide * wide * sigma * sigma)) / wide;
@@ -88,31 +105,31 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     }
   };
 
-  struct {
-    double num = 0, num_missing = 0;
-  } on, off;
+  const auto is_missing = [&](int u, int v) {
+    return !std::isfinite(measured({1, 1, 0}, u, v).residual);
+  };
   for_each_ray([&](const auto& a, const auto& b, int u, int v) {
     if (a.has_value() != b.has_value() || (a && (a->scale == 0 || b->scale == 0))) return;
-    auto& share = a ? on : off;
-    share.num += 1;
-    share.num_missing += std::isfinite(measured({1, 1}, u, v).residual) ? 0 : 1;
+    (a ? on : off).add(is_missing(u, v));
+    if (!a) return;
+    for (const int fifth : {a->fifth, b->fifth})
+      alike[static_cast<std::size_t>(fifth)].add(is_missing(u, v));
   });
-  const double missing =
-      std::min(on.num, off.num) < 50
-          ? 1
-          : std::max(0.02, on.num_missing / on.num) / std::max(0.02, off.num_missing / off.num);
 
   Comparison out;
   std::map<std::pair<int, int>, double> votes;
   for_each_ray([&](const auto& a, const auto& b, int u, int v) {
     if (!a && !b) return;
     if ((a && a->scale == 0) || (b && b->scale == 0)) return;
-    if (a && b && std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2) return;
+    if (a && b &&
+        (is_missing(u, v) ||
+         std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2))
+      return;
     out.num_votes += 1.0 / 9;
     const double r = measured(!b || (a && a->z < b->z) ? *a : *b, u, v).residual;
     out.num_measured += std::isfinite(r) && r >= -tolerance ? 1 : 0;
     votes[{(u - crop.u0) / 3, (v - crop.v0) / 3}] +=
-        std::log(likelihood(a, u, v, missing) / likelihood(b, u, v, missing)) / 9;
+        std::log(likelihood(a, u, v) / likelihood(b, u, v)) / 9;
   });
   double squares = 0;
   for (const auto& [at, vote] : votes) {

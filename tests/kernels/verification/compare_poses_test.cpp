@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <utility>
 
 #include "support/allocations.hpp"
 #include "support/random.hpp"
@@ -22,12 +23,15 @@ constexpr float kNoise = 0.001F;
 constexpr MeasurementErrors kErrors{kNoise, 3};
 
 /// A rod with a slightly thicker end.
-struct Club {
-  explicit Club(float end = 0.027F)
-      : shape(test::box({-0.08F, -0.02F, -0.02F}, {0.06F, 0.02F, 0.02F})
-                  .join(test::box({0.06F, -end, -end}, {0.08F, end, end}))) {}
-  Club(const Club&) = delete;
-  Club& operator=(const Club&) = delete;
+test::Shape club_shape(float end) {
+  return test::box({-0.08F, -0.02F, -0.02F}, {0.06F, 0.02F, 0.02F})
+      .join(test::box({0.06F, -end, -end}, {0.08F, end, end}));
+}
+
+struct Part {
+  explicit Part(test::Shape of) : shape(std::move(of)) {}
+  Part(const Part&) = delete;
+  Part& operator=(const Part&) = delete;
   PosedModel at(const Pose& T_scene_model) const { return {surface, samples, T_scene_model}; }
 
   test::Shape shape;
@@ -35,8 +39,8 @@ struct Club {
   test::SampledShape sampled = test::sample_shape(shape.vertices, shape.triangles);
   ModelSamples samples = sampled.view();
 };
-const Club& club() {
-  static const Club one;
+const Part& club() {
+  static const Part one(club_shape(0.027F));
   return one;
 }
 
@@ -176,7 +180,7 @@ TEST(ComparePoses, DoesNotDependOnTheFrameOfTheScene) {
 }
 
 TEST(ComparePoses, DistinguishesModelsWhereTheyDiffer) {
-  const Club thicker(0.032F);
+  const Part thicker(club_shape(0.032F));
   test::Random random;
   RangeImage image = render({kTruth});
   add_noise(random, image);
@@ -236,6 +240,36 @@ TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
   const PoseComparison shadowed = compare(image, kTruth, aside);
   EXPECT_EQ(shadowed.num_votes, whole.num_votes);
   EXPECT_GT(shadowed.z, PoseComparison::kSignificant);
+}
+
+/// A block that widens away from the camera along y, and by `side` along x.
+test::Shape wedge(float side) {
+  test::Shape shape = test::box({-0.04F, -0.03F, 0}, {0.04F, 0.03F, 0.09F});
+  for (std::size_t i = 0; i < shape.vertices.size(); ++i) {
+    Vector3f p = shape.vertices[i];
+    if (p.z() > 0 && p.x() > 0) p.x() += side;
+    if (p.z() > 0 && p.y() > 0) p.y() += 0.045F;
+    shape.vertices.set(i, p);
+  }
+  return shape;
+}
+
+// Sensors lose surfaces that they see aslant: that a side is not measured speaks for a side that is
+// as steep as another one that is lost, although most of the part is measured.
+TEST(ComparePoses, ExpectsToMissWhatIsSeenAslant) {
+  const Part with_side(wedge(0.045F)), without(wedge(0));
+  const Pose pose = test::pose_of({0, 0, 0}, {0, 0, 0.5F});
+  RangeImage image = test::measure(camera(), with_side.surface, {&pose, 1}, 1.5F);
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const bool is_front = std::abs(image.depth[pixel] - 0.5F) < 0.001F,
+               is_shadow = image.depth[pixel] == 1.5F && pixel % 160 / 10 % 2 == 0;
+    if ((image.depth[pixel] < 1 && !is_front) || is_shadow) image.depth[pixel] = 0;
+  }
+  CompareScratch scratch;
+  const PoseComparison c = compare_poses({&image, 1}, with_side.at(pose), without.at(pose), kErrors,
+                                         options(), scratch);
+  EXPECT_GT(c.num_votes, 5);
+  EXPECT_GT(c.log_ratio, 0.3 * c.num_votes);
 }
 
 // Smoothed over the width of a thin part, the depth has an error of many times the noise.
