@@ -192,6 +192,12 @@ Pose PoseTester::refined(const Pose& pose) const {
   return refined(pose, sparse);
 }
 
+Pose PoseTester::refined_nearby(const Pose& pose) const {
+  kernels::RefineOptions nearby = narrowing(pose);
+  nearby.num_samples = kRefineSamples;
+  return refined(pose, nearby);
+}
+
 Pose PoseTester::polished(const Pose& pose) const {
   kernels::RefineOptions dense;
   dense.num_samples = samples_.points.size();
@@ -204,14 +210,20 @@ Pose PoseTester::polished(const Pose& pose) const {
 /// Refine a pose with less and less of what is farther from it than the sensor errs: of surfaces that
 /// lie closer to each other than the model's tolerance, one remains.
 Pose PoseTester::sharpened(const Pose& pose) const {
-  kernels::RefineOptions narrowing;
-  narrowing.num_samples = samples_.points.size();
-  narrowing.max_iterations = kNarrowings;
-  narrowing.first_gate = tolerance_at(pose);
-  narrowing.last_gate =
-      std::min(narrowing.first_gate, options_.verify.tolerance_sigmas * error_at(pose));
-  narrowing.max_translation = kMostShift * model_.diameter;
-  return refined(pose, narrowing);
+  kernels::RefineOptions dense = narrowing(pose);
+  dense.num_samples = samples_.points.size();
+  dense.max_iterations = kNarrowings;
+  return refined(pose, dense);
+}
+
+/// A gate from the tolerance down to the sensor's error.
+kernels::RefineOptions PoseTester::narrowing(const Pose& pose) const {
+  kernels::RefineOptions options;
+  options.first_gate = tolerance_at(pose);
+  options.last_gate =
+      std::min(options.first_gate, options_.verify.tolerance_sigmas * error_at(pose));
+  options.max_translation = kMostShift * model_.diameter;
+  return options;
 }
 
 Pose PoseTester::refined(const Pose& pose, const kernels::RefineOptions& options) const {

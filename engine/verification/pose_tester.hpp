@@ -75,6 +75,9 @@ class PoseTester {
 
   /// Refine a proposed pose with a part of the samples.
   Pose refined(const Pose& pose) const;
+  /// Refine a proposed pose to no more than what lies within its tolerance. Where surfaces lie close
+  /// to each other, as sheets in a heap, a pose keeps the one that it is proposed on.
+  Pose refined_nearby(const Pose& pose) const;
   /// Refine a pose once more with all samples.
   Pose polished(const Pose& pose) const;
 
@@ -100,6 +103,7 @@ class PoseTester {
   std::optional<Pose> solve(const Pose& pose, const kernels::PoseEquations& equations) const;
   const std::optional<Symmetry::Axis>& free_axis() const;
   Pose sharpened(const Pose& pose) const;
+  kernels::RefineOptions narrowing(const Pose& pose) const;
   Pose refined(const Pose& pose, const kernels::RefineOptions& options) const;
   float range_of(const Pose& pose) const;
   std::uint8_t bearing_plane(const Pose& pose, float tolerance) const;

@@ -16,6 +16,9 @@ constexpr std::size_t kScreenSamples = 300;  // samples for verification before 
 constexpr std::size_t kContourSamples = 700;
 // Samples for deciding whether a pose lies where another one does.
 constexpr std::size_t kMarkSamples = 100;
+// A pose that is refined to what lies nearby has a score higher by this factor, or is an optimum beside
+// the one that is refined from afar.
+constexpr float kMuchBetter = 1.2F;
 
 }  // namespace
 
@@ -62,11 +65,16 @@ void PoseVerifier::judge_contours(PoseTable& table, std::span<const Row> rows) c
 }
 
 void PoseVerifier::refine(PoseTable& table, std::span<const Row> rows) const {
+  // Where neighboring errors are correlated, a pose may agree closely with an error.
+  const float better = kMuchBetter / (1 - scene_.sensor.correlation);
+  std::vector<Pose> nearby(std::isfinite(better) ? rows.size() : 0);
   {
     const StageTimer timer(times_, "refine");
     for_each_index(rows.size(), [&](std::size_t k) {
       const Row row = rows[k];
-      table.T_scene_model[row] = tester(table.model[row]).refined(table.T_scene_model[row]);
+      const PoseTester& tester = this->tester(table.model[row]);
+      if (!nearby.empty()) nearby[k] = tester.refined_nearby(table.T_scene_model[row]);
+      table.T_scene_model[row] = tester.refined(table.T_scene_model[row]);
       table.stage[row] = PoseStage::refined;
     });
   }
@@ -74,10 +82,16 @@ void PoseVerifier::refine(PoseTable& table, std::span<const Row> rows) const {
   PerThread<kernels::ContourScratch> scratch;
   for_each_index(rows.size(), [&](std::size_t k) {
     const Row row = rows[k];
-    const PoseTester& tester = this->tester(table.model[row]);
-    const kernels::VerifyOptions strict = tester.strict(table.T_scene_model[row]);
-    score_by_samples(tester, tester.samples().points.size(), strict, table, row);
-    score_by_contour(tester, strict, scratch.local(), table, row);
+    score_refined(scratch.local(), table, row);
+    if (nearby.empty()) return;
+    const Pose pose = std::exchange(table.T_scene_model[row], nearby[k]);
+    const kernels::Evidence evidence = table.evidence[row];
+    const float score = table.score[row];
+    score_refined(scratch.local(), table, row);
+    if (table.score[row] > better * score) return;
+    table.T_scene_model[row] = pose;
+    table.evidence[row] = evidence;
+    table.score[row] = score;
   });
 }
 
@@ -188,6 +202,15 @@ TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose&
     tested.test.explained.square = static_cast<std::uint32_t>(std::clamp(square, 1.0F, 32.0F));
   }
   return tested;
+}
+
+/// Score a refined pose by all samples and its outline.
+void PoseVerifier::score_refined(kernels::ContourScratch& scratch, PoseTable& table,
+                                 Row row) const {
+  const PoseTester& tester = this->tester(table.model[row]);
+  const kernels::VerifyOptions strict = tester.strict(table.T_scene_model[row]);
+  score_by_samples(tester, tester.samples().points.size(), strict, table, row);
+  score_by_contour(tester, strict, scratch, table, row);
 }
 
 /// Score a pose by the agreement of the first samples that the camera should see.

@@ -43,8 +43,9 @@ class PoseVerifier {
   void screen(PoseTable& table, std::span<const Row> rows) const;
   /// Lower the scores of unrefined poses if the scene continues beyond their outline.
   void judge_contours(PoseTable& table, std::span<const Row> rows) const;
-  /// Refine poses with a part of the samples, and score them by all samples with the tolerance of a
-  /// refined pose.
+  /// Refine poses with a part of the samples, from afar and to what lies nearby, and score them by
+  /// all samples with the tolerance of a refined pose. Of both, the second remains if its score is
+  /// much higher.
   void refine(PoseTable& table, std::span<const Row> rows) const;
   /// Refine poses once more with all samples and test them by rays. Returns the rows of the poses
   /// within the limits; the others are discarded.
@@ -67,6 +68,7 @@ class PoseVerifier {
 
   Result<Surfaces> surfaces_of(const PoseTable& table, std::span<const Row> rows) const;
   TestedPose judged_by_samples(const PoseTester& tester, const Pose& pose, float score) const;
+  void score_refined(kernels::ContourScratch& scratch, PoseTable& table, Row row) const;
   void score_by_samples(const PoseTester& tester, std::size_t num_samples,
                         const kernels::VerifyOptions& how, PoseTable& table, Row row) const;
   void score_by_contour(const PoseTester& tester, const kernels::VerifyOptions& how,

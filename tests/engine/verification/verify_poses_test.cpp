@@ -90,6 +90,32 @@ TEST_F(VerifyPoses, RefinesToTheTruthAndDistinguishesItByRays) {
   EXPECT_EQ(table.stage[0], PoseStage::examined);
 }
 
+// Refined from afar, a sheet of 2 mm that another one covers in part ends 4 mm and 1.8 degrees away.
+TEST_F(VerifyPoses, StaysOnTheSheetThatAPoseLiesOn) {
+  test::Shape sheet = test::box({-0.08F, -0.05F, 0}, {0.08F, 0.02F, 0.002F});
+  sheet.join(test::box({-0.08F, 0.02F, 0}, {0.01F, 0.05F, 0.002F}));
+  const test::Shape table = test::box({-1, -1, -0.1F}, {1, 1, 0}),
+                    cover = test::box({-0.03F, -0.15F, 0.002F}, {0.3F, 0.15F, 0.006F});
+  const Pose T_camera_table = test::pose_of({2.4F, 0, 0}, {0, 0, 0.6F});
+  StageTimes times;
+  const auto scene = prepare_scene(test::render_scan({{&table, T_camera_table},
+                                                      {&sheet, T_camera_table},
+                                                      {&cover, T_camera_table}}),
+                                   {}, times);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Recognizer recognizer(
+      test::trained_library({{"sheet", &sheet}}, {.tri_spin_images = false}));
+  PoseVerifier verifier(recognizer, *scene, options_, times_);
+  const std::uint32_t model = 0;
+  ASSERT_TRUE(verifier.prepare({&model, 1}));
+  PoseTable poses;
+  poses.add(0, Source::ppf, T_camera_table, 1, 0.1F);
+  verifier.refine(poses, Rows{0});
+  const auto error = kernels::pose_distance(poses.T_scene_model[0], T_camera_table, {}, {0, 0, 0});
+  EXPECT_LT(error.translation, 0.001F);
+  EXPECT_LT(error.rotation_rad, 0.003F);
+}
+
 TEST_F(VerifyPoses, GivesUpWhatMovesBeyondTheLimits) {
   options_.test.limits.region = PoseLimits::Region{{-0.019, -1, 0}, {1, 1, 2}};
   PoseTable table = ten_poses();
