@@ -71,12 +71,14 @@ class AmbiguityTest {
       std::optional<TestedPose> better;
       double most = 0;
       for (const Pose& alternative : alternatives_of(table.model[row], pose.T_scene_model)) {
-        const kernels::PoseComparison comparison = compare(alternative, pose.T_scene_model);
         TestedPose tested = examine(alternative);
+        if (same_placement(model_, tested.T_scene_model, pose.T_scene_model)) continue;
+        const kernels::PoseComparison comparison =
+            compare(tested.T_scene_model, pose.T_scene_model);
         const double log_odds = std::lerp(rival_log_odds(tested.score, pose.score, comparison),
                                           comparison.log_ratio, correlation);
         if (log_odds < kLeastLogOdds) continue;
-        alike.push_back({alternative, tested.score, log_odds});
+        alike.push_back({tested.T_scene_model, tested.score, log_odds});
         if (log_odds > most && comparison.z > least_z) {
           most = log_odds;
           better = std::move(tested);
