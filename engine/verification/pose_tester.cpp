@@ -107,9 +107,8 @@ kernels::PlaneSet PoseTester::open_planes(const Pose& pose, float tolerance) con
   for (std::size_t k = 0; k < background_.size(); ++k) {
     if (!faces_[k + 1]) continue;
     const kernels::Plane& plane = scene_.planes[k];
-    open[k + 1] =
-        kernels::count_seen_behind(scene_.images.front(), samples_, kSamplesBehind, pose, plane,
-                                   tolerance + plane.thickness) >= kFewestBehind;
+    open[k + 1] = kernels::count_seen_behind(scene_.images.front(), samples_, kSamplesBehind, pose,
+                                             plane, tolerance + plane.thickness) >= kFewestBehind;
   }
   return open;
 }

@@ -122,8 +122,7 @@ inline Comparison comparison(const kernels::RangeImage& image, const kernels::Ra
     if (!a && !b) return;
     if ((a && a->scale == 0) || (b && b->scale == 0)) return;
     if (a && b &&
-        (is_missing(u, v) ||
-         std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2))
+        (is_missing(u, v) || std::abs(a->z - b->z) * std::max(a->scale, b->scale) <= tolerance / 2))
       return;
     out.num_votes += 1.0 / 9;
     const double r = measured(!b || (a && a->z < b->z) ? *a : *b, u, v).residual;

@@ -98,10 +98,10 @@ TEST_F(VerifyPoses, StaysOnTheSheetThatAPoseLiesOn) {
                     cover = test::box({-0.03F, -0.15F, 0.002F}, {0.3F, 0.15F, 0.006F});
   const Pose T_camera_table = test::pose_of({2.4F, 0, 0}, {0, 0, 0.6F});
   StageTimes times;
-  const auto scene = prepare_scene(test::render_scan({{&table, T_camera_table},
-                                                      {&sheet, T_camera_table},
-                                                      {&cover, T_camera_table}}),
-                                   {}, times);
+  const auto scene = prepare_scene(
+      test::render_scan(
+          {{&table, T_camera_table}, {&sheet, T_camera_table}, {&cover, T_camera_table}}),
+      {}, times);
   ASSERT_TRUE(scene) << scene.error().message;
   const Recognizer recognizer(
       test::trained_library({{"sheet", &sheet}}, {.tri_spin_images = false}));

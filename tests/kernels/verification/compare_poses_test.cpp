@@ -266,8 +266,8 @@ TEST(ComparePoses, ExpectsToMissWhatIsSeenAslant) {
     if ((image.depth[pixel] < 1 && !is_front) || is_shadow) image.depth[pixel] = 0;
   }
   CompareScratch scratch;
-  const PoseComparison c = compare_poses({&image, 1}, with_side.at(pose), without.at(pose), kErrors,
-                                         options(), scratch);
+  const PoseComparison c =
+      compare_poses({&image, 1}, with_side.at(pose), without.at(pose), kErrors, options(), scratch);
   EXPECT_GT(c.num_votes, 5);
   EXPECT_GT(c.log_ratio, 0.3 * c.num_votes);
 }
