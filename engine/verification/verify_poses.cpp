@@ -82,12 +82,19 @@ void PoseVerifier::refine(PoseTable& table, std::span<const Row> rows) const {
   PerThread<kernels::ContourScratch> scratch;
   for_each_index(rows.size(), [&](std::size_t k) {
     const Row row = rows[k];
-    score_refined(scratch.local(), table, row);
+    const PoseTester& tester = this->tester(table.model[row]);
+    const std::size_t all = tester.samples().points.size();
+    kernels::VerifyOptions strict = tester.strict(table.T_scene_model[row]);
+    score_by_samples(tester, all, strict, table, row);
+    score_by_contour(tester, strict, scratch.local(), table, row);
     if (nearby.empty()) return;
     const Pose pose = std::exchange(table.T_scene_model[row], nearby[k]);
     const kernels::Evidence evidence = table.evidence[row];
     const float score = table.score[row];
-    score_refined(scratch.local(), table, row);
+    strict = tester.strict(nearby[k]);
+    score_by_samples(tester, all, strict, table, row);
+    if (table.score[row] > better * score)  // contours only lower scores
+      score_by_contour(tester, strict, scratch.local(), table, row);
     if (table.score[row] > better * score) return;
     table.T_scene_model[row] = pose;
     table.evidence[row] = evidence;
@@ -202,15 +209,6 @@ TestedPose PoseVerifier::judged_by_samples(const PoseTester& tester, const Pose&
     tested.test.explained.square = static_cast<std::uint32_t>(std::clamp(square, 1.0F, 32.0F));
   }
   return tested;
-}
-
-/// Score a refined pose by all samples and its outline.
-void PoseVerifier::score_refined(kernels::ContourScratch& scratch, PoseTable& table,
-                                 Row row) const {
-  const PoseTester& tester = this->tester(table.model[row]);
-  const kernels::VerifyOptions strict = tester.strict(table.T_scene_model[row]);
-  score_by_samples(tester, tester.samples().points.size(), strict, table, row);
-  score_by_contour(tester, strict, scratch, table, row);
 }
 
 /// Score a pose by the agreement of the first samples that the camera should see.

@@ -68,7 +68,6 @@ class PoseVerifier {
 
   Result<Surfaces> surfaces_of(const PoseTable& table, std::span<const Row> rows) const;
   TestedPose judged_by_samples(const PoseTester& tester, const Pose& pose, float score) const;
-  void score_refined(kernels::ContourScratch& scratch, PoseTable& table, Row row) const;
   void score_by_samples(const PoseTester& tester, std::size_t num_samples,
                         const kernels::VerifyOptions& how, PoseTable& table, Row row) const;
   void score_by_contour(const PoseTester& tester, const kernels::VerifyOptions& how,

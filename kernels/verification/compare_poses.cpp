@@ -48,8 +48,8 @@ class Comparer {
   bool differ(const Rendered& a, const Rendered& b, int u, int v) const noexcept {
     if ((a.meets && a.scale == 0) || (b.meets && b.scale == 0)) return false;
     if (!a.meets || !b.meets) return a.meets != b.meets;
-    return !is_missing(u, v) &&
-           std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance;
+    return std::abs(a.z - b.z) * std::max(a.scale, b.scale) > 0.5F * options_.tolerance &&
+           !is_missing(u, v);
   }
 
   /// Whether a measurement lies at or behind the nearer surface, so that it tells of both.
