@@ -336,6 +336,10 @@ std::string sensor_in_words(const Subject& subject) {
                                            "windows)";
   const auto edge = std::lround(sensor->edge_pixels());
   if (edge >= 2) out += fmt::format(", so outlines count as uncertain within {} pixels", edge);
+  if (sensor->smoothing > 0)
+    out += fmt::format(
+        "; a filter has smoothed it over {} pixels, and so are the models that it is compared with",
+        std::lround(sensor->smoothing));
   return fmt::format("<p class=\"dim\">{}.</p>\n", out);
 }
 

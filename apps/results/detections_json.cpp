@@ -164,7 +164,8 @@ nlohmann::ordered_json sensor_json(const std::optional<kernels::SensorModel>& se
           {"correlated_noise", sensor->correlated_noise.height},
           {"exponent", sensor->exponent},
           {"correlation", sensor->correlation},
-          {"edge_pixels", sensor->edge_pixels()}};
+          {"edge_pixels", sensor->edge_pixels()},
+          {"smoothing", sensor->smoothing}};
 }
 
 /// The viewpoint in the scene file's frame and unit; null for scenes without a single viewpoint.

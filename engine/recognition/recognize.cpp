@@ -170,8 +170,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   }
 
   const auto start = std::chrono::steady_clock::now();
-  const Result<PreparedScene> scene =
-      engine::prepare_scene(cloud, input, stats.times, plan->prepare);
+  Result<PreparedScene> scene = engine::prepare_scene(cloud, input, stats.times, plan->prepare);
   if (!scene) return scene.error();
   const Result<engine::SearchResult> found = engine::search_scene(recognizer, *scene, *plan, stats);
   recognizer.release_memory();

@@ -1,9 +1,11 @@
 #include "engine/recognition/search_scene.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -26,12 +28,13 @@
 namespace trivet::engine {
 namespace {
 
-constexpr float kClimbsFrom = 0.5F;  // minimum score of poses whose look-alikes are tested
+constexpr std::size_t kSmoothingPoses = 24;  // that tell how the scan was smoothed
+constexpr float kClimbsFrom = 0.5F;          // minimum score of poses whose look-alikes are tested
 
 class SceneSearch {
  public:
   /// Keeps references to all arguments.
-  SceneSearch(const Recognizer& recognizer, const PreparedScene& scene, const SearchPlan& plan,
+  SceneSearch(const Recognizer& recognizer, PreparedScene& scene, const SearchPlan& plan,
               SceneStats& stats)
       : recognizer_(recognizer),
         library_(recognizer.library()),
@@ -65,6 +68,8 @@ class SceneSearch {
   Result<void> test_near_copies();
   bool is_tested(std::uint32_t model, const Pose& pose, float least_score) const;
   Result<void> examine(std::span<const Row> rows);
+  /// Find out by the best poses how a filter has smoothed the scan, and test all poses accordingly.
+  Result<void> find_smoothing();
   void refine(std::span<const Row> rows);
   std::vector<Row> choose_to_examine(std::span<const Row> rows);
 
@@ -72,7 +77,7 @@ class SceneSearch {
 
   const Recognizer& recognizer_;
   const Library& library_;
-  const PreparedScene& scene_;
+  PreparedScene& scene_;
   const SearchPlan& plan_;
   SceneStats& stats_;
   VoteSource votes_;
@@ -83,7 +88,8 @@ class SceneSearch {
   std::vector<Row> waiting_;    // waiting poses of the shortlist, in its order
   std::vector<Row> tested_;     // poses tested in full, in the order of their tests
   std::set<Row> climbed_;       // poses whose look-alikes were tested
-  Selection selection_;         // selection among the tested poses
+  bool knows_smoothing_ = false;
+  Selection selection_;  // selection among the tested poses
 };
 
 Result<SearchResult> SceneSearch::run() && {
@@ -310,8 +316,30 @@ Result<void> SceneSearch::examine(std::span<const Row> rows) {
   if (!within) return within.error();
   stats_.num_examined += rows.size();
   tested_.insert(tested_.end(), within->begin(), within->end());
+  if (scene_.sensor.may_be_smoothed && !knows_smoothing_) TRIVET_TRY(find_smoothing());
   const StageTimer timer(stats_.times, "select");
   selection_ = select_poses({library_, scene_, table_, tested_}, plan_.decide.select);
+  return {};
+}
+
+Result<void> SceneSearch::find_smoothing() {
+  const kernels::SensorModel unfiltered = scene_.sensor;
+  std::vector<Row> all = tested_;
+  const std::vector<Row> best = extract_best(table_.score, kSmoothingPoses, all);
+  std::vector<std::array<float, kernels::kSmoothingLengths.size()>> probabilities(best.size());
+  for (std::size_t k = 0; k < kernels::kSmoothingLengths.size(); ++k) {
+    scene_.sensor = unfiltered.smoothed_by(kernels::kSmoothingLengths[k]);
+    const Result<std::vector<float>> scores = verifier_.full_scores(table_, best);
+    if (!scores) return scores.error();
+    for (std::size_t row = 0; row < best.size(); ++row) probabilities[row][k] = (*scores)[row];
+  }
+  const std::optional<float> smoothing = kernels::choose_smoothing(probabilities);
+  knows_smoothing_ = smoothing.has_value();
+  scene_.sensor = unfiltered.smoothed_by(smoothing.value_or(0));
+  if (!(scene_.sensor.smoothing > 0)) return {};
+  const Result<std::vector<Row>> within = verifier_.examine(table_, tested_);
+  if (!within) return within.error();
+  tested_ = *within;
   return {};
 }
 
@@ -340,7 +368,7 @@ Result<SearchResult> SceneSearch::conclude() && {
 
 }  // namespace
 
-Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
+Result<SearchResult> search_scene(const Recognizer& recognizer, PreparedScene& scene,
                                   const SearchPlan& plan, SceneStats& stats) {
   return SceneSearch(recognizer, scene, plan, stats).run();
 }

@@ -26,9 +26,10 @@ struct SearchResult {
 /// Test the expected poses, then search round by round. Choose the tested poses that together
 /// explain the scene, and compare them with hypotheses that look like them.
 ///
+/// scene    receives the smoothing of its sensor, which the first poses tell
 /// stats    receives times and counts
 /// Errors: internal (no memory for ray tracing), damaged. Throws Stopped.
-Result<SearchResult> search_scene(const Recognizer& recognizer, const PreparedScene& scene,
+Result<SearchResult> search_scene(const Recognizer& recognizer, PreparedScene& scene,
                                   const SearchPlan& plan, SceneStats& stats);
 
 }  // namespace trivet::engine

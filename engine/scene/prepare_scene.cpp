@@ -200,6 +200,22 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   }
 }
 
+kernels::StepCounts count_steps(const kernels::RangeImage& image) {
+  const std::size_t width = image.geometry.width, height = image.geometry.height;
+  const std::size_t row_chunks = (height + kRowGrain - 1) / kRowGrain;
+  std::vector<kernels::StepCounts> counts(row_chunks + (width + kRowGrain - 1) / kRowGrain);
+  for_each_index(counts.size(), [&](std::size_t k) {
+    const bool of_rows = k < row_chunks;
+    const std::size_t first = (of_rows ? k : k - row_chunks) * kRowGrain;
+    const std::size_t num = std::min(kRowGrain, (of_rows ? height : width) - first);
+    counts[k] = of_rows ? kernels::count_steps_of_rows(image, first, num)
+                        : kernels::count_steps_of_columns(image, first, num);
+  });
+  kernels::StepCounts all;
+  for (const kernels::StepCounts& some : counts) all += some;
+  return all;
+}
+
 /// Measure how the sensor's error depends on range and how it is shared by neighboring pixels.
 /// Noise and correlated noise are already measured.
 void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& options,
@@ -220,6 +236,7 @@ void measure_sensor(const kernels::RangeImage& image, const PrepareOptions& opti
   std::vector<kernels::SmoothPatch> patches;
   for (const auto& row : rows) patches.insert(patches.end(), row.begin(), row.end());
   kernels::fit_sensor_model(patches, sensor);
+  sensor.may_be_smoothed = kernels::may_be_smoothed(count_steps(image));
 }
 
 Error too_few_points(const SceneInput& input, std::string_view which, std::size_t num_points) {

@@ -41,6 +41,8 @@ constexpr float kMuchCloser = 0.25F;
 // standard deviation]. Of 583 poses in made scans by laser and structured light, half of which it was
 // not chosen on, 92 % lie in the region that should hold 90 %, alike by both sensors.
 constexpr float kSharedError = 0.15F;
+// What a filter moves a surface by may be wrong by as much: its length is estimated, its form assumed.
+constexpr float kFilterError = 1;
 // Poses that differ by less are the same for edges [pixel].
 constexpr float kApart = 0.5F;
 // Refined poses farther from the proposed one, in diameters, are other poses.
@@ -49,6 +51,8 @@ constexpr float kMostShift = 0.1F, kMostTurnRad = 0.35F;
 constexpr float kPoseSigmas = 3;
 // Samples for what the scan shows behind a plane, and how many of them are no stray measurements.
 constexpr std::size_t kSamplesBehind = 300, kFewestBehind = 8;
+// Samples are compared without the smoothing of the sensor, and differ by more.
+constexpr float kSmoothedTolerance = 1.5F;
 // A measurement errs by this share of the tolerance at least.
 constexpr float kLeastError = 0.05F;
 
@@ -176,6 +180,7 @@ int PoseTester::edge_pixels(const Pose& pose) const {
 kernels::VerifyOptions PoseTester::loose(const Pose& pose) const {
   kernels::VerifyOptions loose;
   loose.tolerance = std::max(0.75F * distance_step_, 3 * error_at(pose));
+  if (scene_.sensor.smoothing > 0) loose.tolerance *= kSmoothedTolerance;
   loose.plane_is_background = background_;
   loose.open_planes = faces_;
   return loose;
@@ -239,6 +244,7 @@ kernels::ExamineOptions PoseTester::examine_options(const Pose& pose) const {
   options.correlated_noise = scene_.sensor.correlated_noise_at(range_of(pose));
   options.correlation = scene_.sensor.correlation;
   options.edge_pixels = edge_pixels(pose);
+  options.smoothing = scene_.sensor.smoothing;
   options.least_tolerance = std::max(options_.verify.tolerance_sigmas * error_at(pose),
                                      kLeastError * options.verify.tolerance);
   options.error = std::max(error_at(pose), kLeastError * options.verify.tolerance);
@@ -330,8 +336,10 @@ TestedPose PoseTester::examine_once(const kernels::RayScene& surface,
   const kernels::Examination& e = test.examination =
       kernels::examine_pose(scene_.images, {surface, samples_, pose}, free_axis(), options, scratch,
                             {.explained = &test.explained, .equations = &equations});
-  test.covariance = kernels::pose_covariance(equations, pose, model_.center, 0.5F * model_.diameter,
-                                             kSharedError * options.error, model_.symmetry.axis);
+  test.covariance = kernels::pose_covariance(
+      equations, pose, model_.center, 0.5F * model_.diameter,
+      std::hypot(kSharedError * options.error, kFilterError * e.smoothing_shift),
+      model_.symmetry.axis);
   test.parts = kernels::score_parts(e, e.tolerance / model_.diameter, scene_.sensor.correlation);
   const bool looked_through =
       e.violation > kMostViolation * (e.consistent + e.violation + e.background);

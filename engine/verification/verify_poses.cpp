@@ -102,7 +102,8 @@ void PoseVerifier::refine(PoseTable& table, std::span<const Row> rows) const {
   });
 }
 
-Result<std::vector<Row>> PoseVerifier::examine(PoseTable& table, std::span<const Row> rows) const {
+Result<std::vector<TestedPose>> PoseVerifier::test(const PoseTable& table,
+                                                   std::span<const Row> rows) const {
   const StageTimer timer(times_, "examine");
   auto surfaces = surfaces_of(table, rows);
   if (!surfaces) return surfaces.error();
@@ -116,10 +117,25 @@ Result<std::vector<Row>> PoseVerifier::examine(PoseTable& table, std::span<const
                                                           pose, scratch.local())
                               : judged_by_samples(tester, pose, table.score[rows[k]]);
   });
+  return tested;
+}
+
+Result<std::vector<float>> PoseVerifier::full_scores(const PoseTable& table,
+                                                     std::span<const Row> rows) const {
+  const Result<std::vector<TestedPose>> tested = test(table, rows);
+  if (!tested) return tested.error();
+  std::vector<float> scores;
+  for (const TestedPose& pose : *tested) scores.push_back(pose.score);
+  return scores;
+}
+
+Result<std::vector<Row>> PoseVerifier::examine(PoseTable& table, std::span<const Row> rows) const {
+  Result<std::vector<TestedPose>> tested = test(table, rows);
+  if (!tested) return tested.error();
   std::vector<Row> within;
   for (std::size_t k = 0; k < rows.size(); ++k) {
-    const bool is_allowed = tester(table.model[rows[k]]).allowed(tested[k].T_scene_model);
-    table.set_tested(rows[k], std::move(tested[k]));
+    const bool is_allowed = tester(table.model[rows[k]]).allowed((*tested)[k].T_scene_model);
+    table.set_tested(rows[k], std::move((*tested)[k]));
     if (is_allowed) {
       within.push_back(rows[k]);
     } else {

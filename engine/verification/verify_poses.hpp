@@ -51,6 +51,8 @@ class PoseVerifier {
   /// within the limits; the others are discarded.
   /// Errors: internal (no memory for a model's ray-tracing tree), damaged.
   Result<std::vector<Row>> examine(PoseTable& table, std::span<const Row> rows) const;
+  /// The scores that `examine` would give; the table stays as it is.
+  Result<std::vector<float>> full_scores(const PoseTable& table, std::span<const Row> rows) const;
 
   /// Nonzero, by row, where most of the pixels met by a part of the proposed pose's samples are
   /// marked.
@@ -66,6 +68,7 @@ class PoseVerifier {
   // Keyed by model.
   using Surfaces = std::map<std::uint32_t, std::shared_ptr<const kernels::RayScene>>;
 
+  Result<std::vector<TestedPose>> test(const PoseTable& table, std::span<const Row> rows) const;
   Result<Surfaces> surfaces_of(const PoseTable& table, std::span<const Row> rows) const;
   TestedPose judged_by_samples(const PoseTester& tester, const Pose& pose, float score) const;
   void score_by_samples(const PoseTester& tester, std::size_t num_samples,

@@ -31,6 +31,15 @@ constexpr double kPriorExponent = 1.5, kPriorWeight = 5, kMostExponent = 2;
 constexpr float kPriorCorrelated = 1.3F;
 constexpr float kPriorSlopeRad = 0.17F;
 
+// A scan may be smoothed if fewer of its steps are abrupt. Filtered scans have 0.2 % and fewer,
+// those of PrimeSense and Kinect 4 to 30 %; cameras that leave gaps at edges are between them
+// (docs/measurements.md).
+constexpr double kFewAbrupt = 0.02;
+constexpr std::size_t kFewestSteps = 50;
+// Poses of this probability tell how a scan was smoothed, and their mean log odds rise by so much.
+constexpr float kLikely = 0.8F;
+constexpr double kClearGain = 0.5, kLeastProbability = 1e-3;
+
 /// Orthonormal quadratics over a patch.
 using Basis = std::array<std::array<double, kPixels>, kTerms>;
 
@@ -108,6 +117,13 @@ float SensorModel::error_at(float at_range) const noexcept {
   return growth(at_range) * std::hypot(noise, correlated_noise.height);
 }
 
+SensorModel SensorModel::smoothed_by(float length) const noexcept {
+  SensorModel model = *this;
+  model.smoothing = length;
+  if (length > 0) model.correlation = 1;
+  return model;
+}
+
 void measure_patches(const RangeImage& image, std::size_t first_row, std::size_t num_rows,
                      std::vector<SmoothPatch>& out) {
   static const Basis basis = make_basis();
@@ -173,6 +189,29 @@ void fit_sensor_model(std::span<const SmoothPatch> patches, SensorModel& model) 
     model.correlated_noise.height = kPriorCorrelated * model.correlation * model.noise;
     model.correlated_noise.slope_rad = kPriorSlopeRad * model.correlation;
   }
+}
+
+bool may_be_smoothed(const StepCounts& counts) noexcept {
+  return counts.steps >= kFewestSteps &&
+         static_cast<double>(counts.abrupt) < kFewAbrupt * static_cast<double>(counts.steps);
+}
+
+std::optional<float> choose_smoothing(
+    std::span<const std::array<float, kSmoothingLengths.size()>> probabilities) noexcept {
+  std::array<double, kSmoothingLengths.size()> sums{};
+  double num_likely = 0;
+  for (const auto& of_pose : probabilities) {
+    if (!(std::ranges::max(of_pose) > kLikely)) continue;
+    num_likely += 1;
+    for (std::size_t k = 0; k < of_pose.size(); ++k) {
+      const double p =
+          std::clamp(static_cast<double>(of_pose[k]), kLeastProbability, 1 - kLeastProbability);
+      sums[k] += std::log(p / (1 - p));
+    }
+  }
+  if (!(num_likely > 0)) return std::nullopt;
+  const auto best = static_cast<std::size_t>(std::ranges::max_element(sums) - sums.begin());
+  return sums[best] - sums[0] > kClearGain * num_likely ? kSmoothingLengths[best] : 0;
 }
 
 }  // namespace trivet::kernels

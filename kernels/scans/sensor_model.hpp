@@ -1,12 +1,15 @@
 /// Error model of a scan's sensor, estimated from the scan itself.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "kernels/scans/correlated_noise.hpp"
+#include "kernels/scans/depth_steps.hpp"
 #include "kernels/scans/range_image.hpp"
 
 namespace trivet::kernels {
@@ -22,6 +25,9 @@ struct SensorModel {
   CorrelatedNoise correlated_noise{};  ///< noise shared by neighboring pixels
   float exponent = 0;     ///< exponent of range: both noises grow with this power of it, 0..2
   float correlation = 0;  ///< 0..1: 0, errors are independent; 1, neighbors err alike
+  bool may_be_smoothed = false;  ///< whether the scan has no abrupt steps, as filters leave it
+  /// Length over which a filter has smoothed the depth along rows and columns [pixel]; 0: none has.
+  float smoothing = 0;
 
   /// The noise at a range [scene unit] > 0.
   float noise_at(float at_range) const noexcept { return noise * growth(at_range); }
@@ -30,6 +36,8 @@ struct SensorModel {
   }
   /// Independent and correlated noise together.
   float error_at(float at_range) const noexcept;
+  /// The same sensor with a filter of this length, which makes neighbors err alike; 0: without one.
+  SensorModel smoothed_by(float length) const noexcept;
   /// Largest shift of an outline in the image [pixel].
   float edge_pixels() const noexcept { return kEdgePixels * correlation; }
 
@@ -66,5 +74,18 @@ void measure_patches(const RangeImage& image, std::size_t first_row, std::size_t
 /// Source of the laws: depth errors from triangulation grow with the square of range (Khoshelham
 /// and Elberink, Sensors 12(2), 2012), those of time of flight grow less.
 void fit_sensor_model(std::span<const SmoothPatch> patches, SensorModel& model);
+
+/// Whether a filter may have smoothed a scan: hardly any of its steps is abrupt.
+bool may_be_smoothed(const StepCounts& counts) noexcept;
+
+/// Lengths of filters to try [pixel], the first without effect.
+inline constexpr std::array<float, 4> kSmoothingLengths{0, 1.5F, 3, 5};
+
+/// The length that the probabilities of poses speak for, if they do so clearly: by the mean log odds
+/// of the poses that are likely at some length. Empty if none is.
+///
+/// probabilities  of each pose at each of kSmoothingLengths
+std::optional<float> choose_smoothing(
+    std::span<const std::array<float, kSmoothingLengths.size()>> probabilities) noexcept;
 
 }  // namespace trivet::kernels

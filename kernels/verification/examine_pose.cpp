@@ -7,6 +7,7 @@
 
 #include "kernels/common/slope_fit.hpp"
 #include "kernels/verification/examined_rays.hpp"
+#include "kernels/verification/expected_depths.hpp"
 #include "kernels/verification/judge_outline.hpp"
 #include "storage/common/clamped_integer.hpp"
 
@@ -35,7 +36,7 @@ constexpr double kSidewaysError = 0.5;
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
-  double count = 0, squares = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
+  double count = 0, squares = 0, shifts = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d places = Eigen::Vector3d::Zero();  // relative to the model's center
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -59,7 +60,7 @@ void collect_distances(const ExaminedRays& rays, Column<float>& distances) {
   const float tolerance = rays.options.verify.tolerance;
   for (int j = 0; j < rays.crop.height; ++j) {
     for (int i = 0; i < rays.crop.width; ++i) {
-      const float z = rays.depth_at(i, j);
+      const float z = rays.expected[rays.crop.at(i, j)];
       const int u = rays.crop.u(i), v = rays.crop.v(j);
       if (!std::isfinite(z) || !rays.inside(u, v)) continue;
       const RayHit hit = rays.hit_at(i, j);
@@ -117,7 +118,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
       if (!(hit.facing > kMinRayCosine)) continue;
 
       const float tolerance = rays.options.verify.tolerance;
-      const ExpectedPoint expected{u, v, z, hit.length * hit.facing};
+      const ExpectedPoint expected{u, v, rays.expected[at], hit.length * hit.facing};
       const auto [r, pixel] = measure_along(rays.image, expected, tolerance);
       if (pixel < 0) {
         out.unknown += square;
@@ -163,6 +164,8 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
         const double share = static_cast<double>(r / tolerance);
         sums.count += 1;
         sums.squares += share * share;
+        const auto shift = static_cast<double>((rays.expected[at] - z) * expected.scale);
+        sums.shifts += shift * shift;
         sums.area += static_cast<double>(square * z * z /
                                          (rays.geometry.fx * rays.geometry.fy * hit.facing));
         const Eigen::Vector3d place =
@@ -306,6 +309,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
   Examination out;
   const float radius = 0.5F * ball_diameter(samples);
   Sums sums;
+  const bool is_smoothed = options.smoothing > 0;
   /// Call `body` with the rays at the model in each image that may show it, and the image's index.
   const auto each_crop = [&](const ExamineOptions& how, auto&& body) {
     for (std::size_t k = 0; k < images.size(); ++k) {
@@ -313,14 +317,20 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
       const std::optional<PixelBox> box = project_ball(
           geometry, geometry.T_camera_scene * (model.T_scene_model * samples.center), radius);
       if (box)
-        body(ExaminedRays(images[k], model, *box, how, scratch, scratch.hits[k], lists.rays), k);
+        body(ExaminedRays(images[k], model, *box, how, scratch, scratch.hits[k],
+                          is_smoothed ? scratch.expected[k] : scratch.hits[k].depths, lists.rays),
+             k);
     }
   };
   scratch.hits.resize(std::max(scratch.hits.size(), images.size()));
+  scratch.expected.resize(scratch.hits.size());
   scratch.distances.clear();
   each_crop(options, [&](const ExaminedRays& cast, std::size_t k) {
     shoot_rays(cast.geometry, cast.crop, cast.surface, cast.T_camera_model, scratch.directions,
                scratch.hits[k]);
+    if (is_smoothed)
+      expect_depths(cast.image, cast.crop, cast.hits, options.smoothing, scratch.scene,
+                    scratch.expected[k]);
     if (may_lower(options)) collect_distances(cast, scratch.distances);
   });
   ExamineOptions judged = options;
@@ -351,6 +361,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
   out.slope = std::sqrt(beyond(slope * slope, options.correlated_noise.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);
   out.relief = off_plane(sums) / out.tolerance;
+  out.smoothing_shift = static_cast<float>(std::sqrt(sums.shifts / sums.count));
   const Vector6 turn = free_turn(model, free_axis);
   Matrix6 held = sums.covariance / sums.count + turn * turn.transpose();
   if (sums.outline.count > 0) held += kOutlineShare / sums.outline.count * sums.outline.covariance;

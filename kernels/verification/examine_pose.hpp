@@ -49,6 +49,9 @@ struct Examination {
   float slope = 0;     ///< mean angle between both surfaces over that window [rad]
   float area = 0;      ///< visible area of the model's surface [squared diameters]
   float relief = 0;    ///< standard deviation of that surface from a plane [tolerances]
+  /// Root mean square of what smoothing moves the model's surface by at the consistent pixels, across
+  /// it [scene unit].
+  float smoothing_shift = 0;
   /// How well the visible surface determines the pose: the smallest eigenvalue of the mean of J J^T
   /// over the surface, J = (arm x n, n), arms in half diameters, plus a quarter of the same over
   /// the outline, where n points across the outline, perpendicular to the ray. The outline counts
@@ -65,6 +68,7 @@ struct ExamineOptions {
   CorrelatedNoise correlated_noise{};  ///< correlated noise of the scan, which lowers no score
   float correlation = 0;  ///< correlation of the scan's errors from pixel to pixel, 0..1
   int edge_pixels = 0;    ///< possible shift of outlines in the scan
+  float smoothing = 0;    ///< length over which the sensor smooths depth [pixel]; 0: none
   /// Standard deviation of a measurement across surfaces, > 0 for equations [scene unit].
   float error = 0;
 };
@@ -72,8 +76,9 @@ struct ExamineOptions {
 /// Working memory of examine_pose.
 struct ExamineScratch {
   Points directions;
-  std::vector<RayHits> hits;  ///< of each image
-  Column<float> residual, distances;
+  std::vector<RayHits> hits;            ///< of each image
+  std::vector<Column<float>> expected;  ///< smoothed depths of each image
+  Column<float> residual, distances, scene;
   std::vector<std::uint8_t> state;
   std::vector<std::array<double, 9>> sums;
 };
@@ -127,7 +132,7 @@ struct ExamineLists {
 /// compare the hits with the measured depth.
 ///
 /// free_axis  if given, the visible surface need not determine the rotation about it
-/// Along each ray: r = (measured - model's depth) times the cosine of incidence. |r| <= tolerance
+/// Along each ray: r = (measured - model's depth, smoothed as the sensor does) times the cosine of incidence. |r| <= tolerance
 /// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose. Background
 /// planes, and the neighbors tested if the pixel itself does not agree, are also treated as there.
 /// For a right pose, r is noise: averaged over windows it vanishes and has no slope. For a wrong

@@ -43,12 +43,14 @@ struct ExaminedRays {
 
   ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
                const ExamineOptions& examine_options, ExamineScratch& memory,
-               const RayHits& ray_hits, std::vector<JudgedRay>* judged)
+               const RayHits& ray_hits, const Column<float>& expected_depths,
+               std::vector<JudgedRay>* judged)
       : image(range_image),
         geometry(image.geometry),
         options(examine_options),
         scratch(memory),
         hits(ray_hits),
+        expected(expected_depths),
         judged_rays(judged),
         surface(model.surface),
         T_camera_model(geometry.T_camera_scene * model.T_scene_model),
@@ -154,6 +156,7 @@ struct ExaminedRays {
   const ExamineOptions& options;
   ExamineScratch& scratch;
   const RayHits& hits;
+  const Column<float>& expected;  ///< depth that the sensor measures of the model along each ray
   std::vector<JudgedRay>* judged_rays;
   const RayScene& surface;
   Pose T_camera_model, T_model_camera;

@@ -77,6 +77,8 @@ INSTANTIATE_TEST_SUITE_P(
                     // Bins that contain more instances than their ground truth lists.
                     DataSet{"pipe_elbows", "pipe_elbows/manifest.json", 21, 19, 7},
                     DataSet{"pipe_straight", "pipe_straight/manifest.json", 3, 3, 1},
+                    // Smoothed by the camera's filter.
+                    DataSet{"morobot_bin", "morobot_bin/manifest.json", 6, 2, 0},
                     DataSet{"linemod_can", "linemod_can/manifest.json", 1, 1, 0},
                     DataSet{"shaft_block", "shaft_block_single/manifest.json", 1, 1, 0}),
     [](const testing::TestParamInfo<DataSet>& set) { return set.param.name; });

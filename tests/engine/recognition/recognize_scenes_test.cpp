@@ -2,12 +2,14 @@
 
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "engine/meshing/surface_from_points.hpp"
 #include "engine/recognition/recognize.hpp"
 #include "engine/recognition/two_parts.hpp"
 #include "storage/formats/read_cloud.hpp"
 #include "support/rendered_scene.hpp"
+#include "support/smoothed_image.hpp"
 #include "support/temp_dir.hpp"
 
 namespace trivet {
@@ -57,6 +59,44 @@ TEST_F(RecognizeScenes, SearchesWithinTheLimitsOnly) {
   ASSERT_TRUE(aside);
   EXPECT_TRUE(aside->detections.empty());
   EXPECT_LT(aside->stats.num_votes, all->stats.num_votes) << "the rest is not searched";
+}
+
+/// The same depth image after a filter has smoothed it.
+Cloud smoothed(Cloud scan, double length) {
+  kernels::RangeImage image;
+  image.geometry.width = scan.grid->width;
+  image.geometry.height = scan.grid->height;
+  for (const std::int32_t point : scan.grid->point_index)
+    image.depth.push_back(scan.points[static_cast<std::size_t>(point)].z());
+  const kernels::RangeImage blurred = test::smoothed(image, length);
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    const auto point = static_cast<std::size_t>(scan.grid->point_index[pixel]);
+    scan.points.set(point, blurred.depth[pixel] / image.depth[pixel] * scan.points[point]);
+  }
+  return scan;
+}
+
+TEST_F(RecognizeScenes, KnowsAFilterByWhatItLeavesOfParts) {
+  static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F}),
+                           board = test::box({-0.4F, -0.3F, 1.36F}, {0.4F, 0.3F, 1.4F});
+  const Cloud sharp = test::render_scan({{&wall, Pose::Identity()},
+                                         {&board, Pose::Identity()},
+                                         {&bracket_, bracket_pose()},
+                                         {&lever_, lever_pose()}});
+  const auto plain = recognize(recognizer_, sharp, {}, {});
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_EQ(plain->stats.sensor->smoothing, 0);
+
+  const auto result = recognize(recognizer_, smoothed(sharp, 4), {}, {});
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_GT(result->stats.sensor->smoothing, 0);
+  EXPECT_EQ(result->detections.size(), 2U);
+  for (const auto& [name, pose] :
+       {std::pair{"bracket", bracket_pose()}, std::pair{"lever", lever_pose()}}) {
+    const Detection* found = find(*result, name);
+    ASSERT_NE(found, nullptr) << name;
+    EXPECT_LT((found->T_scene_model.translation() - pose.translation()).norm(), 0.005F) << name;
+  }
 }
 
 TEST_F(RecognizeScenes, TestsExpectedPosesWithoutVoting) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -61,6 +62,33 @@ RangeImage image_of(const Field& depth) {
   image.geometry = {Pose::Identity(), 600, 600, 319.5F, 239.5F, kWidth, kHeight};
   image.depth.assign(depth.begin(), depth.end());
   return image;
+}
+
+TEST(SensorModel, MayBeSmoothedIfHardlyAStepIsAbrupt) {
+  EXPECT_TRUE(may_be_smoothed({.steps = 1000, .abrupt = 15}));
+  EXPECT_FALSE(may_be_smoothed({.steps = 1000, .abrupt = 25}));
+  EXPECT_FALSE(may_be_smoothed({.steps = 20, .abrupt = 0})) << "too few to tell";
+}
+
+TEST(SensorModel, IsSmoothedAsLikelyPosesClearlySay) {
+  using Pose = std::array<float, kSmoothingLengths.size()>;
+  const Pose better{0.2F, 0.5F, 0.95F, 0.9F}, worse{0.95F, 0.9F, 0.3F, 0.1F},
+      alike{0.85F, 0.86F, 0.87F, 0.8F}, unlikely{0.01F, 0.1F, 0.3F, 0.79F};
+  const auto choose = [](const std::vector<Pose>& poses) { return choose_smoothing(poses); };
+  EXPECT_EQ(choose({better, better}), kSmoothingLengths[2]);
+  EXPECT_EQ(choose({better, unlikely, unlikely}), kSmoothingLengths[2]);
+  EXPECT_EQ(choose({worse, better, worse}), 0);
+  EXPECT_EQ(choose({alike, alike}), 0) << "no clear gain";
+  EXPECT_FALSE(choose({unlikely}));
+  EXPECT_FALSE(choose({}));
+}
+
+TEST(SensorModel, ErrsAlikeInNeighborsIfItIsSmoothed) {
+  SensorModel model;
+  model.correlation = 0.2F;
+  EXPECT_EQ(model.smoothed_by(3).correlation, 1);
+  EXPECT_EQ(model.smoothed_by(3).smoothing, 3);
+  EXPECT_EQ(model.smoothed_by(0).correlation, 0.2F);
 }
 
 Field sum_of(Field a, const Field& b) {

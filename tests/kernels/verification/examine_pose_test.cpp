@@ -14,6 +14,7 @@
 #include "support/random.hpp"
 #include "support/reference_examination.hpp"
 #include "support/rendered_bodies.hpp"
+#include "support/smoothed_image.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -411,6 +412,23 @@ TEST(ExaminePose, FindsAHoleInTheMiddleAtAnyBlur) {
   EXPECT_NEAR(strict.violation, (kAcross - 2) * (kDown - 2), 2 * (kAcross + kDown));
   constexpr int kWithin = (kAcross - 2 * kEdge) * (kDown - 2 * kEdge);
   EXPECT_NEAR(lenient.violation, kWithin, 2 * (kAcross + kDown - 4 * kEdge));
+}
+
+// A depth camera's filter flattens what it shows, a pocket of 15 mm by more than a tolerance.
+TEST(ExaminePose, ExpectsWhatASmoothedScanShows) {
+  test::Shape pocket = test::box({-0.1F, -0.07F, -0.02F}, {0.1F, 0.07F, 0.02F});
+  pocket.join(test::box({-0.1F, -0.07F, -0.035F}, {-0.05F, 0.07F, -0.02F}));
+  pocket.join(test::box({0.05F, -0.07F, -0.035F}, {0.1F, 0.07F, -0.02F}));
+  const Body body(pocket, 0.25F);
+  const Pose flat = test::pose_of({0, 0, 0.2F}, {0, 0, 0.6F});
+  const RangeImage sharp = test::render({{&body, flat}}, 0.62F), smooth = test::smoothed(sharp, 4);
+  ExamineOptions filtered;
+  filtered.smoothing = 4;
+  const auto share = [](const Examination& e) { return e.consistent / e.covered; };
+  EXPECT_LT(share(examine(smooth, body, flat)), 0.75F);
+  EXPECT_GT(share(examine(smooth, body, flat, {}, nullptr, filtered)), 0.97F);
+  EXPECT_LT(share(examine(sharp, body, flat, {}, nullptr, filtered)), 0.75F)
+      << "a sharp scan is not what the filter would show";
 }
 
 // The scene lies behind or in front of the model by this many tolerances.

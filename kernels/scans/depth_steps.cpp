@@ -1,0 +1,86 @@
+#include "kernels/scans/depth_steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace trivet::kernels {
+namespace {
+
+constexpr std::ptrdiff_t kAway = 12, kFlat = 4;  // [pixel]
+// Of the range. Smaller steps are those of coarse depths; filters keep larger ones.
+constexpr float kLeastStep = 0.012F, kMostStep = 0.06F;
+constexpr float kMostRange = 0.2F;  // of depths in a flat piece [height of the step]
+// Slope of both pieces in that from one to the other: a slanted surface has 1, and hides how abrupt a
+// step is.
+constexpr float kMostSlope = 0.4F;
+constexpr float kPieceToPiece = 2 * kAway + kFlat;  // middles of the pieces [pixel]
+constexpr float kAbrupt = 0.5F;                     // of a step's height
+
+/// A row or column of depths.
+struct ScanLine {
+  const float* first;
+  std::ptrdiff_t stride, count;
+
+  float operator[](std::ptrdiff_t i) const noexcept { return first[i * stride]; }
+};
+
+/// Depths of a flat piece.
+struct Piece {
+  float mean, range, rise;
+};
+
+Piece piece_at(const ScanLine& line, std::ptrdiff_t first) noexcept {
+  float sum = 0, least = line[first], most = least;
+  for (std::ptrdiff_t i = first; i < first + kFlat; ++i) {
+    sum += line[i];
+    least = std::min(least, line[i]);
+    most = std::max(most, line[i]);
+  }
+  return {sum / kFlat, most - least, line[first + kFlat - 1] - line[first]};
+}
+
+void count_steps(const ScanLine& line, StepCounts& counts) noexcept {
+  std::ptrdiff_t num_measured = 0;  // in a row, up to the end of the second piece
+  for (std::ptrdiff_t last = 0; last < line.count; ++last) {
+    num_measured = line[last] > 0 ? num_measured + 1 : 0;
+    if (num_measured < 2 * (kAway + kFlat)) continue;
+    const std::ptrdiff_t i = last - kAway - kFlat;  // the jump is from here to the next pixel
+    const float jump = line[i + 1] - line[i];
+    const Piece before = piece_at(line, i - kAway - kFlat + 1),
+                after = piece_at(line, i + 1 + kAway);
+    const float step = after.mean - before.mean, height = std::abs(step);
+    if (!(height >= kLeastStep * line[i] && height <= kMostStep * line[i] && step * jump > 0))
+      continue;
+    if (std::max(before.range, after.range) > kMostRange * height) continue;
+    const float slope = (before.rise + after.rise) / (2 * (kFlat - 1));
+    if (slope / (step / kPieceToPiece) > kMostSlope) continue;
+    bool is_largest = true;
+    for (std::ptrdiff_t k = i - kAway; k <= i + kAway && is_largest; ++k)
+      is_largest = !(std::abs(line[k + 1] - line[k]) > std::abs(jump));
+    if (!is_largest) continue;
+    ++counts.steps;
+    counts.abrupt += std::abs(jump) > kAbrupt * height ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+StepCounts count_steps_of_rows(const RangeImage& image, std::size_t first_row,
+                               std::size_t num_rows) {
+  StepCounts counts;
+  const std::ptrdiff_t width = image.geometry.width;
+  for (std::size_t v = first_row; v < first_row + num_rows; ++v)
+    count_steps({&image.depth[v * image.geometry.width], 1, width}, counts);
+  return counts;
+}
+
+StepCounts count_steps_of_columns(const RangeImage& image, std::size_t first_column,
+                                  std::size_t num_columns) {
+  StepCounts counts;
+  const std::ptrdiff_t width = image.geometry.width, height = image.geometry.height;
+  for (std::size_t u = first_column; u < first_column + num_columns; ++u)
+    count_steps({&image.depth[u], width, height}, counts);
+  return counts;
+}
+
+}  // namespace trivet::kernels
