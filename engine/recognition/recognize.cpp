@@ -175,7 +175,7 @@ Result<SceneResult> recognize_in(const Recognizer& recognizer, const Cloud& scan
   const Result<engine::SearchResult> found = engine::search_scene(recognizer, *scene, *plan, stats);
   recognizer.release_memory();
   if (!found) return found.error();
-  if (cloud.camera && scene->images.size() == 1) {
+  if (cloud.camera && scene->view.kind == SceneKind::image) {
     const StageTimer timer(stats.times, "check camera");
     stats.camera_check =
         engine::check_camera(recognizer, *scene, *cloud.camera, found->poses, found->detections);

@@ -23,6 +23,7 @@
 #include "kernels/scans/merge_pixels.hpp"
 #include "kernels/scans/plane_patches.hpp"
 #include "kernels/scans/plane_samples.hpp"
+#include "kernels/scans/sparse_grid.hpp"
 #include "kernels/surfaces/estimate_normals.hpp"
 #include "kernels/surfaces/sample_mesh.hpp"
 #include "kernels/surfaces/subsample_by_normals.hpp"
@@ -138,18 +139,20 @@ void close_holes(float max_step, kernels::RangeImage& image) {
 std::optional<SensorView> find_sensor(const Cloud& cloud,
                                       const std::optional<kernels::ImageGeometry>& recovered,
                                       const Eigen::Vector3f& viewpoint, Points& points) {
-  if (cloud.camera && cloud.grid) {
+  const bool is_image = cloud.grid && !kernels::is_sparse(*cloud.grid);
+  if (cloud.camera && is_image) {
     if (std::max(cloud.camera->fx, cloud.camera->fy) > kernels::kLargestFocalLength)
       return std::nullopt;
     return SensorView{kernels::geometry_of(*cloud.camera, *cloud.grid), *cloud.grid, false};
   }
-  if (recovered && cloud.grid) return SensorView{*recovered, *cloud.grid, false};
+  if (recovered && is_image) return SensorView{*recovered, *cloud.grid, false};
+  const bool is_listed = recovered && !cloud.grid;  // the pixels of an image as a list of points
   const std::optional<kernels::ImageGeometry> geometry =
-      recovered ? recovered : kernels::choose_camera(points, viewpoint);
+      is_listed ? recovered : kernels::choose_camera(points, viewpoint);
   if (!geometry) return std::nullopt;
   kernels::MergedPixels merged = kernels::merge_pixels(*geometry, points);
   points = std::move(merged.points);
-  return SensorView{*geometry, std::move(merged.grid), !recovered};
+  return SensorView{*geometry, std::move(merged.grid), !is_listed};
 }
 
 /// planes  planes in the camera's frame
@@ -261,7 +264,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
   };
   const std::optional<SensorView> view = find_sensor(cloud, recovered, viewpoint, scene.points);
   if (!view) return no_visible_points();
-  if (!view->scattered) scene.view.kind = SceneKind::image;
+  scene.view.kind = view->scattered ? SceneKind::points : SceneKind::image;
   if (scene.points.size() < kFewestPoints)
     return too_few_points(input, " in different directions", scene.points.size());
   const kernels::ImageGeometry& geometry = view->geometry;

@@ -61,6 +61,37 @@ TEST_F(RecognizeScenes, SearchesWithinTheLimitsOnly) {
   EXPECT_LT(aside->stats.num_votes, all->stats.num_votes) << "the rest is not searched";
 }
 
+/// The pixels of an organized scan in every n-th row and m-th column.
+Cloud thinned(const Cloud& scan, std::size_t rows, std::size_t columns) {
+  Cloud out;
+  out.grid = PixelGrid{scan.grid->width, scan.grid->height, {}};
+  for (std::size_t pixel = 0; pixel < scan.grid->point_index.size(); ++pixel) {
+    const std::int32_t point = scan.grid->point_index[pixel];
+    const bool is_kept = point != PixelGrid::kNone && pixel / scan.grid->width % rows == 0 &&
+                         pixel % scan.grid->width % columns == 0;
+    out.grid->point_index.push_back(is_kept ? static_cast<std::int32_t>(out.points.size())
+                                            : PixelGrid::kNone);
+    if (is_kept) out.points.push_back(scan.points[static_cast<std::size_t>(point)]);
+  }
+  return out;
+}
+
+// Pixels without measured neighbors have neither normals nor noise, and looked like gaps.
+TEST_F(RecognizeScenes, TakesASparseImageForTheCloudThatItIs) {
+  for (const auto& [rows, columns] : {std::pair{2, 1}, std::pair{1, 2}, std::pair{2, 2}}) {
+    SCOPED_TRACE(rows + 10 * columns);
+    const auto result = recognize(
+        recognizer_,
+        thinned(clutter(), static_cast<std::size_t>(rows), static_cast<std::size_t>(columns)), {},
+        {});
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_EQ(result->stats.view->kind, SceneKind::points);
+    EXPECT_EQ(result->detections.size(), 2U);
+    expect_pose(find(*result, "bracket"), bracket_pose(), 0.2F);
+    expect_pose(find(*result, "lever"), lever_pose(), 0.2F);
+  }
+}
+
 /// The same depth image after a filter has smoothed it.
 Cloud smoothed(Cloud scan, double length) {
   kernels::RangeImage image;
