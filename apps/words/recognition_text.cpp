@@ -10,6 +10,7 @@
 #include "apps/words/place_text.hpp"
 #include "apps/words/score_words.hpp"
 #include "apps/words/view_words.hpp"
+#include "engine/scene/prepare_scene.hpp"
 #include "storage/common/counted.hpp"
 
 namespace trivet::apps {
@@ -99,7 +100,13 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
 std::vector<Advice> advice_on_nothing(const SceneInput& scene, const SceneResult& result,
                                       const Library& library, float min_score) {
   std::vector<Advice> checks;
-  if (!result.rejected.empty())
+  if (!result.stats.view) {
+    checks.push_back(
+        {"measurements", fmt::format("Is anything measured? A scan needs {} points or more.",
+                                     engine::kFewestPoints)});
+    return checks;
+  }
+  if (!result.rejected.empty() && result.rejected.front().score < min_score)
     checks.push_back(rejected_advice(result.rejected.front(), min_score));
   if (result.stats.num_points > 0 && !library.models.empty()) {
     checks.push_back(

@@ -20,7 +20,7 @@ std::string scene_text(const SceneInput& scene, const SceneResult& result, const
 
 /// A sentence on what to check when nothing was found.
 struct Advice {
-  std::string_view about;  ///< "rejected", "sizes", "camera" or "viewpoint"
+  std::string_view about;  ///< "measurements", "rejected", "sizes", "camera" or "viewpoint"
   std::string words;
 };
 std::vector<Advice> advice_on_nothing(const SceneInput& scene, const SceneResult& result,

@@ -113,6 +113,14 @@ TEST_F(StandardOutput, SaysWhatToCheckWhereNothingIsFound) {
   EXPECT_NE(strict.out.find("check: The best rejected pose is bracket with score 0.9"),
             std::string::npos)
       << strict.out;
+  const test::Outcome none = run("recognize library.h5 scan.ply --max-instances 0");
+  EXPECT_EQ(none.out.find("best rejected"), std::string::npos) << none.out;
+  folder_->write("few.xyz", "0 0 1\n0 1 1\n1 0 1\n");
+  const test::Outcome few = run("recognize library.h5 few.xyz --viewpoint 0,0,0");
+  EXPECT_NE(few.out.find("check: Is anything measured? A scan needs 50 points or more.\n"),
+            std::string::npos)
+      << few.out;
+  EXPECT_EQ(few.out.find("viewpoint right"), std::string::npos) << few.out;
 }
 
 TEST_F(StandardOutput, IsFollowedByThePathOfTheReport) {
