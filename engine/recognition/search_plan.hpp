@@ -54,7 +54,8 @@ struct VerificationLimits {
   std::uint32_t passes = 3;  ///< passes over the waiting poses that nothing explains yet
   /// Steps per pass from a pose to its look-alikes, then to theirs, and so on.
   std::uint32_t climbs = 2;
-  std::size_t look_alikes = 8;  ///< look-alikes tested per pose
+  std::size_t look_alikes = 8;   ///< look-alikes tested per pose
+  std::size_t near_copies = 24;  ///< poses of near copies tested per chosen pose
   /// Minimum score by samples for testing a refined pose by rays. Of 600 tests with scores above
   /// 0.3 on the development scans, this limit lost none; it saves two thirds of all tests.
   float least_score = 0.05F;

@@ -277,7 +277,7 @@ Result<void> SceneSearch::test_near_copies() {
     std::size_t num_added = 0;
     for (const NearCopy& copy : copies[k]) {
       const Pose pose = table_.T_scene_model[chosen[k]] * copy.T_model_other;
-      if (num_added == plan_.limits.look_alikes) break;
+      if (num_added == plan_.limits.near_copies) break;
       if (is_tested(copy.model, pose, least)) continue;
       models.push_back(copy.model);
       added.push_back(table_.add(copy.model, table_.source[chosen[k]], pose));

@@ -20,9 +20,9 @@ constexpr float kLike = 0.09F;  // largest difference of deviations along axes t
 constexpr float kEven = 0.12F;  // largest relative difference of deviations across an even axis
 constexpr int kStepsAQuarter = 6;                        // rotation steps about such an axis
 constexpr float kOtherRotation = 0.4F;                   // [rad]
-constexpr float kNearlyAsNear = 1.3F, kAsNear = 0.001F;  // limits for a second rotation: factor;
+constexpr float kNearlyAsNear = 1.3F, kAsNear = 0.015F;  // limits for further rotations: factor;
                                                          // [diameters]
-constexpr std::size_t kMostRotations = 2;
+constexpr std::size_t kMostRotations = 4;                // those of a box
 
 /// The rotations that map coordinate axes onto coordinate axes.
 const std::vector<Eigen::Matrix3f>& turns_of_a_cube() {

@@ -36,8 +36,8 @@ class ShapeAligner {
   /// diameter  > 0 [m]
   ShapeAligner(PointsView points, NormalsView normals, const ShapeFrame& frame, float diameter);
 
-  /// Up to two rotations that bring the other shape nearest, the second one only if it is nearly as
-  /// near; none if no rotation is within kMaxDistance. The centers coincide.
+  /// Up to four rotations that bring the other shape nearest, the further ones only if they are nearly
+  /// as near, as half turns of a block with one hole are; none if no rotation is within kMaxDistance. The centers coincide.
   ///
   /// points  samples of the other surface, in random order
   /// Principal axes are aligned with those of similar deviations, in both directions. About an axis

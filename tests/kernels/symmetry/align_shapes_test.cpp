@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -80,6 +81,22 @@ TEST(ShapeAligner, TurnsWhatIsSpreadEvenlyAboutAnAxis) {
     const float about = std::atan2(turned(1, 0), turned(0, 0)) / kDegree;
     EXPECT_GT(std::abs(turned(2, 2)), 0.99F) << degrees;
     EXPECT_LT(std::abs(std::remainder(about, 90.0F)), 9) << degrees;
+  }
+}
+
+// One knob tells the half turns of a block apart, and little of its surface.
+TEST(ShapeAligner, FindsTheHalfTurnsOfABlock) {
+  Shape block = box({-0.1F, -0.06F, -0.03F}, {0.1F, 0.06F, 0.03F});
+  block.join(box({0.05F, 0.02F, 0.03F}, {0.07F, 0.04F, 0.035F}));
+  const auto found = align(block, block);
+  ASSERT_EQ(found.size(), 4U);
+  for (const Eigen::Vector3f& axis :
+       {Eigen::Vector3f(Eigen::Vector3f::UnitX()), Eigen::Vector3f(Eigen::Vector3f::UnitY()),
+        Eigen::Vector3f(Eigen::Vector3f::UnitZ())}) {
+    EXPECT_TRUE(std::ranges::any_of(found, [&](const ShapeAligner::Alignment& one) {
+      const Eigen::Vector3f turned = one.T_this_other.linear() * axis;
+      return turned.dot(axis) > 0.99F && one.T_this_other.linear().trace() < 0;
+    })) << axis.transpose();
   }
 }
 
