@@ -132,9 +132,10 @@ struct ExamineLists {
 /// compare the hits with the measured depth.
 ///
 /// free_axis  if given, the visible surface need not determine the rotation about it
-/// Along each ray: r = (measured - model's depth, smoothed as the sensor does) times the cosine of incidence. |r| <= tolerance
-/// is agreement, r > tolerance a violation, r < -tolerance occlusion, as in verify_pose. Background
-/// planes, and the neighbors tested if the pixel itself does not agree, are also treated as there.
+/// Along each ray: r = (measured - model's depth, smoothed as the sensor does) times the cosine of
+/// incidence. |r| <= tolerance is agreement, r > tolerance a violation, r < -tolerance occlusion, as
+/// in verify_pose. Background planes, and the neighbors tested if the pixel itself does not agree,
+/// are also treated as there.
 /// For a right pose, r is noise: averaged over windows it vanishes and has no slope. For a wrong
 /// one, r depends on shape.
 /// Sources: Papazov and Burschka, ACCV 2010 (acceptance by visibility and penalty); Gelfand et al.,
