@@ -61,7 +61,7 @@ folders() {
   done
 }
 folders storage common data files formats library datasets
-folders kernels common surfaces symmetry scans pair_features spin_images verification meshing simulation
+folders kernels common surfaces symmetry scans pair_features spin_images verification scoring meshing simulation
 folders engine options results common libraries loaded_library scene poses hypotheses verification selection camera recognition \
   meshing training evaluation calibration pictures simulation/parts simulation
 folders apps inputs words results help options report study program recognition service/common service/http service \

@@ -15,7 +15,7 @@
 #include "engine/calibration/calibrate_score.hpp"
 #include "engine/loaded_library/default_score.hpp"
 #include "engine/loaded_library/score_file.hpp"
-#include "kernels/verification/fit_score.hpp"
+#include "kernels/scoring/fit_score.hpp"
 #include "storage/common/counted.hpp"
 #include "storage/datasets/manifest.hpp"
 #include "storage/files/file.hpp"

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "kernels/verification/adapt_score.hpp"
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/adapt_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet::apps {
 namespace {

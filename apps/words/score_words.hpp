@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet::apps {
 

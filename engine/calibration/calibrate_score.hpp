@@ -8,7 +8,7 @@
 #include "engine/common/progress.hpp"
 #include "engine/loaded_library/recognizer.hpp"
 #include "engine/options/recognize_options.hpp"
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "storage/common/result.hpp"
 #include "storage/datasets/manifest.hpp"
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "kernels/verification/fit_score.hpp"
+#include "kernels/scoring/fit_score.hpp"
 
 namespace trivet {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "engine/calibration/calibrate_score.hpp"
-#include "kernels/verification/adapt_score.hpp"
+#include "kernels/scoring/adapt_score.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet {

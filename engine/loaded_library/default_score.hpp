@@ -1,7 +1,7 @@
 /// Default score of detections, used if no other score was fitted.
 #pragma once
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet {
 

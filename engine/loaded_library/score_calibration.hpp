@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "kernels/verification/adapt_score.hpp"
+#include "kernels/scoring/adapt_score.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet {

@@ -9,9 +9,9 @@
 
 #include "engine/results/explanation.hpp"
 #include "engine/results/recognize_result.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "kernels/verification/examine_pose.hpp"
 #include "kernels/verification/pose_covariance.hpp"
-#include "kernels/verification/pose_score.hpp"
 #include "kernels/verification/verify_pose.hpp"
 #include "storage/data/model.hpp"
 

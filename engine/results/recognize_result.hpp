@@ -14,8 +14,8 @@
 #include "engine/results/scene_view.hpp"
 #include "engine/results/stage_times.hpp"
 #include "kernels/scans/sensor_model.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "kernels/verification/pose_covariance.hpp"
-#include "kernels/verification/pose_score.hpp"
 #include "storage/data/model.hpp"
 
 namespace trivet {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "storage/data/model.hpp"
 
 namespace trivet {

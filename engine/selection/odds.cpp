@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet::engine {
 namespace {

@@ -9,7 +9,7 @@
 #include "engine/selection/compare_rivals.hpp"
 #include "engine/selection/odds.hpp"
 #include "engine/selection/settle_rivals.hpp"
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 #include "storage/common/stop.hpp"
 
 namespace trivet::engine {

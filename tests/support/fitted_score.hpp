@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet::test {
 

@@ -1,4 +1,4 @@
-#include "kernels/verification/adapt_score.hpp"
+#include "kernels/scoring/adapt_score.hpp"
 
 #include <algorithm>
 #include <cmath>

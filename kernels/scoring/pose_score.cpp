@@ -1,4 +1,4 @@
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 #include <algorithm>
 #include <cmath>

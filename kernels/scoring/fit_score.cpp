@@ -1,4 +1,4 @@
-#include "kernels/verification/fit_score.hpp"
+#include "kernels/scoring/fit_score.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "kernels/verification/pose_score.hpp"
+#include "kernels/scoring/pose_score.hpp"
 
 namespace trivet::kernels {
 

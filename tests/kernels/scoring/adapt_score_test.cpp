@@ -1,4 +1,4 @@
-#include "kernels/verification/adapt_score.hpp"
+#include "kernels/scoring/adapt_score.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "kernels/verification/fit_score.hpp"
+#include "kernels/scoring/fit_score.hpp"
 #include "support/fitted_score.hpp"
 #include "support/random.hpp"
 
