@@ -7,6 +7,7 @@
 
 #include "engine/options/recognize_options.hpp"
 #include "engine/scene/prepare_scene.hpp"
+#include "engine/scene/sample_scene.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "storage/data/model.hpp"
 

@@ -9,6 +9,7 @@
 
 #include "engine/options/recognize_options.hpp"
 #include "engine/scene/prepare_scene.hpp"
+#include "engine/scene/sample_scene.hpp"
 #include "kernels/common/hypothesis.hpp"
 #include "kernels/spin_images/tri_spin_image.hpp"
 #include "storage/data/feature_index.hpp"

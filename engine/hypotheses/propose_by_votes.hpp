@@ -12,6 +12,7 @@
 #include "engine/options/recognize_options.hpp"
 #include "engine/results/recognize_result.hpp"
 #include "engine/scene/prepare_scene.hpp"
+#include "engine/scene/sample_scene.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet::engine {

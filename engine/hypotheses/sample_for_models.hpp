@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/scene/prepare_scene.hpp"
+#include "engine/scene/sample_scene.hpp"
 #include "storage/library/library.hpp"
 
 namespace trivet::engine {

@@ -1,4 +1,4 @@
-/// Scene data for recognition: prepared once for all models, then once per size of models.
+/// Scene data for recognition, prepared once for all models.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,6 @@
 #include "engine/results/scene_view.hpp"
 #include "engine/results/stage_times.hpp"
 #include "engine/scene/read_scene.hpp"
-#include "kernels/common/voxel_hash.hpp"
 #include "kernels/scans/find_planes.hpp"
 #include "kernels/scans/range_image.hpp"
 #include "kernels/scans/sensor_model.hpp"
@@ -38,6 +37,8 @@ struct PreparedScene {
 };
 
 inline constexpr float kPlaneAngleRad = 0.35F;
+/// Points whose normals differ by more are not thinned together.
+inline constexpr float kNormalClusterRad = 0.5236F;
 inline constexpr std::size_t kFewestPoints =
     50;  ///< a scan with fewer measurements counts as empty
 
@@ -51,44 +52,6 @@ struct PrepareOptions {
 /// Errors: bad_data (too few points, no surface).
 Result<PreparedScene> prepare_scene(const Cloud& cloud, const SceneInput& input, StageTimes& times,
                                     const PrepareOptions& options = {});
-
-/// The scene sampled for models of one step; the same in all rounds of voting.
-struct SceneSample {
-  float step = 0;
-  float largest_diameter = 0;  ///< diameter of the largest model
-  Points points;
-  Normals normals;
-};
-
-/// Treatment of points on planes that are larger than the largest model.
-enum class LargePlanes : std::uint8_t { left_out, kept };
-
-/// Sample a scene at `step`.
-SceneSample sample_scene(const PreparedScene& scene, float step, float largest_diameter,
-                         LargePlanes large_planes = LargePlanes::left_out);
-
-/// Whether a scene point lies on a marked pixel of some image, within `tolerance` of that pixel's
-/// measurement.
-///
-/// explained  nonzero for marked pixels, images concatenated
-bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
-                  const Eigen::Vector3f& point, float tolerance);
-
-/// Voting points for models of one step in one round.
-struct SceneLevel {
-  float step = 0;
-  Points points;
-  Normals normals;
-  std::vector<std::uint32_t> references;  ///< indices of the reference points, rising
-  kernels::VoxelHash grid;
-};
-
-/// Choose the voting points and the references among them. Points within a step of a marked pixel's
-/// measurement are excluded.
-///
-/// explained  nonzero for marked pixels, images concatenated; empty: none
-SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
-                         const VoteOptions& options, std::span<const std::uint8_t> explained = {});
 
 /// Whether each plane is too large to be part of a model of this diameter, by plane number.
 std::vector<std::uint8_t> background_planes(const PreparedScene& scene, float diameter);

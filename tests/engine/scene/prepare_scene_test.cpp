@@ -7,6 +7,7 @@
 
 #include "engine/results/stage_times.hpp"
 #include "engine/scene/read_scene.hpp"
+#include "engine/scene/sample_scene.hpp"
 #include "kernels/common/median.hpp"
 #include "kernels/simulation/add_noise.hpp"
 #include "support/random.hpp"
