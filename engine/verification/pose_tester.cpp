@@ -296,7 +296,10 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
                              kernels::log_odds(tested.score, kLeast) -
                                  kAsGood * static_cast<double>(1 - scene_.sensor.correlation) &&
                          are_apart(pose, at);
-  return is_better ? std::move(optimum) : std::move(tested);
+  TestedPose& best = is_better ? optimum : tested;
+  // Not before the pose is where it fits best: beside it the sensor sees through what stands out.
+  if (best.test.examination.seen_through > 0) best.score = 0;
+  return std::move(best);
 }
 
 /// Whether two poses differ by more than edges of the scan are known to.

@@ -27,6 +27,8 @@ constexpr int kMostHalf = 4096;  // rays; half a window is unbounded
 constexpr double kOutlineShare = 0.25;
 // A surface at a smaller height above the model may be mistaken for it [tolerances].
 constexpr float kShallow = 6;
+// What is measured so far behind the model is neither its surface nor an error [tolerances].
+constexpr float kFarBehind = 6;
 // If neighbors err alike, depth is locally wrong by a few tolerances: only measurements this much
 // more than a tolerance behind the model are certain violations.
 constexpr float kSoftness = 1.5F;
@@ -143,6 +145,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
         if (measured_beside(rays.image, expected, tolerance, rays.options.edge_pixels)) continue;
         if (r > 0 || rays.options.verify.is_solid(plane)) {  // nothing penetrates a table
           out.violation += square * std::min(1.0F, (std::abs(r) / tolerance - 1) / softness);
+          if (r > kFarBehind * tolerance) rays.scratch.state[at] = kSeenThrough;
           rays.record(RayVerdict::looked_through, hit.place);
         } else {
           out.occluded += square;
@@ -188,33 +191,43 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
   sums.surfaces.gradient += within.gradient;
 }
 
-/// Count the squares of rays that something hides which is wider than the blur of an outline on
-/// both of its sides: outlines are up to a pixel, and the shift of the scan's, beside their place.
-void find_overlaid(const ExaminedRays& rays, Examination& out) noexcept {
+/// The area of the squares of rays that are all as a test says, each wider than the blur of an
+/// outline on both of its sides: outlines are up to a pixel, and the shift of the scan's, beside
+/// their place. A square counts for the pixels of one ray.
+template <class IsSo>
+float area_of_squares(const ExaminedRays& rays, const IsSo& is_so) noexcept {
   const int stride = rays.crop.stride;
   const int side = 2 + 2 * (rays.options.edge_pixels + 1) / stride;  // rays
+  const auto is_all_so = [&](int i, int j) {
+    for (int y = j; y < j + side; ++y) {
+      for (int x = i; x < i + side; ++x) {
+        if (!is_so(x, y)) return false;
+      }
+    }
+    return true;
+  };
+  float area = 0;
+  for (int j = 0; j + side <= rays.crop.height; ++j) {
+    for (int i = 0; i + side <= rays.crop.width; ++i) {
+      if (is_all_so(i, j)) area += static_cast<float>(stride * stride);
+    }
+  }
+  return area;
+}
+
+/// Find what lies on the model, and where the sensor saw through it, wider than outlines are blurred.
+void find_wide(const ExaminedRays& rays, Examination& out) noexcept {
   // A grazing surface is not judged, but what is a step before it hides it, too.
-  const auto hides = [&](int i, int j) {
+  out.overlaid += area_of_squares(rays, [&](int i, int j) {
     const std::uint8_t state = rays.scratch.state[rays.crop.at(i, j)];
     if (state != kJudged) return state == kHidden;
     const std::size_t pixel = rays.pixel_at(rays.crop.u(i), rays.crop.v(j));
     const float d = rays.image.depth[pixel];
     return d > 0 && d < rays.depth_at(i, j) - rays.jump &&
            !rays.options.verify.is_background(rays.image.near_plane[pixel]);
-  };
-  const auto hides_all = [&](int i, int j) {
-    for (int y = j; y < j + side; ++y) {
-      for (int x = i; x < i + side; ++x) {
-        if (!hides(x, y)) return false;
-      }
-    }
-    return true;
-  };
-  for (int j = 0; j + side <= rays.crop.height; ++j) {
-    for (int i = 0; i + side <= rays.crop.width; ++i) {
-      if (hides_all(i, j)) out.overlaid += static_cast<float>(stride * stride);
-    }
-  }
+  });
+  out.seen_through += area_of_squares(
+      rays, [&](int i, int j) { return rays.scratch.state[rays.crop.at(i, j)] == kSeenThrough; });
 }
 
 /// Summed-area table of 1, r, x, y, xx, yy, xy, rx and ry over consistent pixels.
@@ -340,7 +353,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
     for (const RangeImage& before : images.first(k)) first_pixel += before.depth.size();
     compare(cast, options.verify.tolerance, static_cast<std::uint32_t>(first_pixel), out, sums,
             lists.explained);
-    find_overlaid(cast, out);
+    find_wide(cast, out);
     smooth(cast, sums);
     judge_outline(cast, out, sums.outline, lists.equations ? &sums.edges : nullptr);
     if (lists.explained) lists.explained->square = static_cast<std::uint32_t>(cast.crop.stride);

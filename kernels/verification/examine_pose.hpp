@@ -20,12 +20,13 @@ namespace trivet::kernels {
 /// Statistics of the rays that hit a posed model, over all images. Counts are in pixels: if fewer
 /// rays are cast than there are pixels, each represents its square of them.
 struct Examination {
-  float covered = 0;     ///< projection of the model inside the images
-  float outside = 0;     ///< projection beyond their borders
-  float consistent = 0;  ///< measured depth agrees with the model
-  float violation = 0;   ///< the sensor saw through the model, or it cuts into a background plane
-  float occluded = 0;    ///< something nearer hides the model
-  float overlaid = 0;    ///< occluded by something wider than outlines are blurred: its squares
+  float covered = 0;       ///< projection of the model inside the images
+  float outside = 0;       ///< projection beyond their borders
+  float consistent = 0;    ///< measured depth agrees with the model
+  float violation = 0;     ///< the sensor saw through the model, or it cuts into a background plane
+  float occluded = 0;      ///< something nearer hides the model
+  float overlaid = 0;      ///< occluded by something wider than outlines are blurred: its squares
+  float seen_through = 0;  ///< seen through far and wider than outlines are blurred: its squares
   float sunk = 0;        ///< occluded by so little that the occluder may be mistaken for the model
   float unknown = 0;     ///< no measurement
   float background = 0;  ///< agrees only with a background plane

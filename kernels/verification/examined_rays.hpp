@@ -18,8 +18,16 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Verdict of a ray. From kJudged on it hits the model inside the image. kEntered: hidden by the
-/// plane that the model bears on.
-enum RayState : std::uint8_t { kMissed, kOutside, kEntered, kHidden, kJudged, kConsistent };
+/// plane that the model bears on. kSeenThrough: something is measured far behind it.
+enum RayState : std::uint8_t {
+  kMissed,
+  kOutside,
+  kEntered,
+  kHidden,
+  kJudged,
+  kSeenThrough,
+  kConsistent
+};
 
 /// A ray, and the direction along the image in which the surface that it hit ends.
 struct RayEnd {

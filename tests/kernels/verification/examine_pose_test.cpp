@@ -397,6 +397,25 @@ TEST(ExaminePose, ForgivesOutlinesThatAreShownBesideTheirPlace) {
   EXPECT_GT(lenient.outline_free, strict.outline_free);
 }
 
+// The sensor saw through a corner of the brick: as wide as this, and as far behind it.
+TEST(ExaminePose, TellsASolidPartThatIsSeenThroughFromErrors) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto seen_through = [&](int width, float behind, int edge_pixels = 0) {
+    RangeImage image = render({{&brick(), flat}});
+    const float front = image.depth[60 * 160 + 80];
+    for (int v = 52; v < 52 + width; ++v) {
+      for (int u = 70; u < 70 + width; ++u)
+        image.depth[static_cast<std::size_t>(v * 160 + u)] = front + behind;
+    }
+    return examine(image, brick(), flat, {}, nullptr, blurred(edge_pixels)).seen_through;
+  };
+  EXPECT_GE(seen_through(16, 10 * kTolerance), 100);
+  EXPECT_EQ(seen_through(16, 4 * kTolerance), 0) << "not far behind";
+  EXPECT_EQ(seen_through(2, 10 * kTolerance), 0) << "no wider than an outline's blur";
+  EXPECT_EQ(seen_through(10, 10 * kTolerance, 5), 0) << "nor than that of a matching sensor";
+  EXPECT_EQ(seen_through(0, 0), 0);
+}
+
 TEST(ExaminePose, FindsAHoleInTheMiddleAtAnyBlur) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = render({{&brick(), flat}});
