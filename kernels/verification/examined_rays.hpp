@@ -47,6 +47,7 @@ struct ExaminedRays {
   static constexpr int kMargin = 4;  ///< rays beyond an outline, wider than any hole of a cloud
   static constexpr float kSameSurface = 1e-4F;  ///< of the diameter: rounding errors are smaller
   static constexpr float kInside = 0.25F;       ///< [pixel]
+  static constexpr float kSlanted = 0.5F;       ///< cosine; steeper slopes look like steps
   static constexpr int kAround = 3;  ///< rays around an outline that determine its direction
 
   ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
@@ -134,11 +135,16 @@ struct ExaminedRays {
   /// Whether the scene falls back behind the model at a pixel next to a hit: it is farther, or lies
   /// a step below the surface. Between two points of one curved surface there is no step: as much
   /// as the second lies below the plane of the first, so does the first below that of the second.
+  /// A slanted surface that goes on is farther, too, but both points lie in the plane of the other.
   bool falls_back(const RayHit& hit, std::size_t pixel) const {
     const float d = image.depth[pixel];
-    if (!(d > 0) || d > hit.place.z() + jump) return true;
+    if (!(d > 0)) return true;
     const Eigen::Vector3f back = hit.place - geometry.back_project(pixel, d);
-    return 0.5F * (hit.normal + image.normals[pixel]).dot(back) > step;  // NaN: no normal
+    const float below = hit.normal.dot(back), above = image.normals[pixel].dot(back);
+    const bool goes_on =  // NaN: no normal
+        hit.facing >= kSlanted && std::abs(below) < step && std::abs(above) < step;
+    if (d > hit.place.z() + jump && !goes_on) return true;
+    return 0.5F * (below + above) > step;
   }
 
   /// J of a point and a direction in the camera's frame: see Examination::stability.

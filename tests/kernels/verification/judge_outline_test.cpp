@@ -156,5 +156,23 @@ TEST(JudgeOutline, FindsWhereTheModelDipsBeneathTheScene) {
   EXPECT_EQ(buried_with(wall, slanted), 0) << "and what leans on it makes a fold";
 }
 
+// The wider box's face goes on beyond the brick's: farther where it is slanted, but by no step.
+TEST(JudgeOutline, SeesThatASlantedFaceGoesOnBeyondTheModel) {
+  const Body wide({0.3F, 0.2F, 0.04F});
+  const Pose slanted = test::pose_of({0, 0.9F, 0}, {0, 0, 0.9F});
+  const auto outline = [&](const Body& body, bool with_normals) {
+    RangeImage image = render({{&body, slanted}});
+    for (std::size_t pixel = 0; with_normals && pixel < image.depth.size(); ++pixel)
+      image.normals.set(pixel, slanted.linear() * Vector3f(0, 0, -1));
+    return examine(image, brick(), slanted);
+  };
+  const Examination alone = outline(brick(), true), part = outline(wide, true);
+  EXPECT_EQ(alone.outline_crossed, 0);
+  EXPECT_GT(alone.outline_free, 0.9F * alone.outline);
+  EXPECT_GT(part.outline_crossed, 0.3F * part.outline);
+  EXPECT_LT(part.outline_free, 0.5F * part.outline);
+  EXPECT_LT(part.outline_free, outline(wide, false).outline_free) << "nothing is known of it";
+}
+
 }  // namespace
 }  // namespace trivet::kernels
