@@ -48,6 +48,7 @@ struct ExaminedRays {
   static constexpr float kSameSurface = 1e-4F;  ///< of the diameter: rounding errors are smaller
   static constexpr float kInside = 0.25F;       ///< [pixel]
   static constexpr float kSlanted = 0.5F;       ///< cosine; steeper slopes look like steps
+  static constexpr float kSamePlane = 1.5F;  ///< largest distance of a plane's points [tolerances]
   static constexpr int kAround = 3;  ///< rays around an outline that determine its direction
 
   ExaminedRays(const RangeImage& range_image, const PosedModel& model, const PixelBox& box,
@@ -141,8 +142,9 @@ struct ExaminedRays {
     if (!(d > 0)) return true;
     const Eigen::Vector3f back = hit.place - geometry.back_project(pixel, d);
     const float below = hit.normal.dot(back), above = image.normals[pixel].dot(back);
+    const float same = kSamePlane * options.verify.tolerance;
     const bool goes_on =  // NaN: no normal
-        hit.facing >= kSlanted && std::abs(below) < step && std::abs(above) < step;
+        hit.facing >= kSlanted && std::abs(below) < same && std::abs(above) < same;
     if (d > hit.place.z() + jump && !goes_on) return true;
     return 0.5F * (below + above) > step;
   }
