@@ -31,8 +31,9 @@ struct Examination {
   float unknown = 0;     ///< no measurement
   float background = 0;  ///< agrees only with a background plane
 
-  float outline = 0;           ///< ends of the model inside the images
-  float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
+  float outline = 0;       ///< ends of the model inside the images, but for those of open surfaces
+                           ///< beyond which the scene may go on
+  float outline_free = 0;  ///< outline beyond which the scene falls back or is not measured
   float outline_touching = 0;  ///< outline with something else in contact beyond it: the scene has
                                ///< a crease
   float outline_crossed = 0;   ///< outline over which the scene continues smoothly at the model's

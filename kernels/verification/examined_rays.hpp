@@ -118,19 +118,25 @@ struct ExaminedRays {
                              std::numeric_limits<float>::infinity());
   }
 
-  /// Whether the model's surface is open at an end: a ray just before it meets the surface once. What
-  /// the model is a part of may go on beyond.
+  /// Whether the model's surface is open at an end: a ray before it meets the surface once, within
+  /// the blur of outlines, as surfaces that were made from points have lips at their rims. What the
+  /// model is a part of may go on beyond.
   bool is_open_at(const RayEnd& end) const {
-    const Eigen::Vector3f ray =
-        ray_through(geometry, crop.u(end.i), crop.v(end.j)) -
-        Eigen::Vector3f(kInside * static_cast<float>(end.di) / geometry.fx,
-                        kInside * static_cast<float>(end.dj) / geometry.fy, 0);
     const float beyond = depth_at(end.i, end.j) + 2 * diameter;
-    const Hit first = first_hit(ray);
-    const Eigen::Vector3f direction = T_model_camera.linear() * ray;
-    const Hit last =
-        surface.intersect(T_model_camera.translation() + beyond * direction, -direction, 0, beyond);
-    return first && !(beyond - last.distance > first.distance + kSameSurface * diameter);
+    for (int k = 0; k <= options.edge_pixels; ++k) {
+      const float inside = kInside + static_cast<float>(k);
+      const Eigen::Vector3f ray =
+          ray_through(geometry, crop.u(end.i), crop.v(end.j)) -
+          inside * Eigen::Vector3f(static_cast<float>(end.di) / geometry.fx,
+                                   static_cast<float>(end.dj) / geometry.fy, 0);
+      const Hit first = first_hit(ray);
+      const Eigen::Vector3f direction = T_model_camera.linear() * ray;
+      const Hit last = surface.intersect(T_model_camera.translation() + beyond * direction,
+                                         -direction, 0, beyond);
+      if (first && !(beyond - last.distance > first.distance + kSameSurface * diameter))
+        return true;
+    }
+    return false;
   }
 
   /// Whether the scene falls back behind the model at a pixel next to a hit: it is farther, or lies

@@ -119,11 +119,13 @@ bool judge_beyond(const ExaminedRays& rays, const RayEnd& end, Examination& out)
     }
   }
   if (!any) return false;
+  // Nothing is known of what the scene is beyond an open surface, unless it ends there, too.
+  if (!open && judged && rays.is_open_at(end)) return false;
   const auto length = static_cast<float>(rays.crop.stride);
   out.outline += length;
   if (open) {
     out.outline_free += length;
-  } else if (judged && !rays.is_open_at(end)) {
+  } else if (judged) {
     const bool touches = creases(rays, rays.crop.u(i), rays.crop.v(j), di, dj);
     (touches ? out.outline_touching : out.outline_crossed) += length;
     if (!touches) rays.record(RayVerdict::runs_on, hit.place);

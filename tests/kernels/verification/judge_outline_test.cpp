@@ -42,11 +42,33 @@ TEST(JudgeOutline, LetsTheSceneRunOnBeyondAnOpenSurface) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   const Examination part = examine(render({{&plate, flat}}), front_of_brick(), flat);
   EXPECT_EQ(part.consistent, part.covered);
-  EXPECT_EQ(part.outline_crossed, 0);
-  EXPECT_EQ(part.outline_free, 0);
-  EXPECT_GT(part.outline, 100);
+  EXPECT_EQ(part.outline, 0) << "nothing is known of what is beyond";
   const Examination alone = examine(render({{&brick(), flat}}), front_of_brick(), flat);
+  EXPECT_GT(alone.outline, 100);
   EXPECT_EQ(alone.outline_free, alone.outline) << "it may as well end there";
+}
+
+// Surfaces that were made from points have a lip along their rim, behind them.
+TEST(JudgeOutline, SeesThatASurfaceWithALipAlongItsRimIsOpen) {
+  test::Shape front = front_of_brick().shape;
+  for (const float side : {-1.0F, 1.0F}) {
+    const float x = side * 0.1F, y = side * 0.06F, lip = side * 0.003F;
+    front.add({x, -0.06F, -0.039F}, {x, 0.06F, -0.039F}, {x - lip, 0.06F, -0.039F},
+              {x - lip, -0.06F, -0.039F});
+    front.add({-0.1F, y, -0.039F}, {0.1F, y, -0.039F}, {0.1F, y - lip, -0.039F},
+              {-0.1F, y - lip, -0.039F});
+  }
+  const Body rolled(std::move(front), brick().samples.diameter);
+  const Body plate({0.3F, 0.3F, 0.04F});
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const auto outline = [&](const Body& body, int edge_pixels) {
+    ExamineOptions options;
+    options.edge_pixels = edge_pixels;
+    return examine(render({{&plate, flat}}), body, flat, {}, nullptr, options).outline;
+  };
+  EXPECT_GT(outline(rolled, 0), 60) << "outlines are sharp, and it is a sheet of 1 mm";
+  EXPECT_LT(outline(rolled, 2), 20);
+  EXPECT_GT(outline(brick(), 2), 100) << "a body is closed at any distance from its end";
 }
 
 /// The front of a brick on a table a little behind it, all with normals.
