@@ -17,7 +17,7 @@ constexpr double kCommonShift = 1, kShareOfWindow = 0.5;
 // Cauchy's, so that they still draw a pose that slid far [pixel].
 constexpr double kNearEdge = 3;
 constexpr int kEdgeReach = 12;       // pixels from the model's end to that of the surface
-constexpr int kCertain = 2;          // pixels measured beyond the model before a gap
+constexpr int kLost = 3;             // pixels before an end that sensors may not measure
 constexpr float kFlatCosine = 0.3F;  // of incidence: a surface that is continued in its plane
 constexpr float kLeastAlong = 0.3F;  // cosine between a step and the direction across an outline
 // Cosine of 30 degrees: noise turns normals by less.
@@ -46,12 +46,13 @@ int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
 }
 
 /// Number of pixels from the model's end to that of the measured surface, beyond it or negative.
-/// Empty if the surface does not end nearby before something farther; or if it is oblique, since
-/// sensors do not measure it up to its end.
+/// Empty if the surface does not end nearby, before something farther or what is not measured; or if
+/// it is oblique, since sensors do not measure it up to its end.
 std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& end) noexcept {
-  const int u = rays.crop.u(end.i), v = rays.crop.v(end.j);
   const RayHit hit = rays.hit_at(end.i, end.j);
   if (!(hit.facing > kFlatCosine)) return std::nullopt;
+  const int beyond = pixels_beyond(rays, end);
+  const int u = rays.crop.u(end.i) + beyond * end.di, v = rays.crop.v(end.j) + beyond * end.dj;
   const float step_in_depth = rays.step / (hit.length * hit.facing);
   const float offset = hit.normal.dot(hit.place);
   const auto place_at = [&](int step) {
@@ -66,17 +67,15 @@ std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& en
     return cosine < kContinues ? Place::elsewhere : Place::surface;  // NaN: no normal
   };
   const Place own = place_at(0);
-  if (own != Place::surface && own != Place::behind) return std::nullopt;
+  if (own == Place::elsewhere) return std::nullopt;
   const int side = own == Place::surface ? 1 : -1;
-  for (int step = side; std::abs(step) <= kEdgeReach; step += side) {
+  const int last = own == Place::unmeasured ? kLost : kEdgeReach;
+  for (int step = side; std::abs(step) <= last; step += side) {
     const Place place = place_at(step);
     if (place == own || (side < 0 && place == Place::unmeasured)) continue;
-    // The surface may go on where nothing is measured.
-    const bool is_end =
-        side > 0 ? place == Place::behind || (place == Place::unmeasured && step > kCertain)
-                 : place == Place::surface;
+    const bool is_end = side > 0 ? place != Place::elsewhere : place == Place::surface;
     if (!is_end) return std::nullopt;
-    return static_cast<float>((side > 0 ? step - 1 : step) - pixels_beyond(rays, end));
+    return static_cast<float>(side > 0 ? step - 1 : step);
   }
   return std::nullopt;
 }

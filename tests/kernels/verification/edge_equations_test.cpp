@@ -64,6 +64,21 @@ TEST(PoseEquations, LeadAFlatFaceThatSlidBackToItsEnds) {
   EXPECT_LT(rotation_angle(solved(image, brick(), turned).linear(), kFacing.linear()), 0.01F);
 }
 
+// Sensors lose pixels that see both sides of an edge, and what lies in the shadow beside it.
+TEST(PoseEquations, LeadAFaceBackWhosePixelsAtItsEndsAreLost) {
+  RangeImage image = render({{&brick(), kFacing}});
+  const Column<float> seen = image.depth;
+  for (int pixel = 4; pixel + 4 < static_cast<int>(seen.size()); ++pixel) {
+    const auto depth_at = [&](int step) { return seen[static_cast<std::size_t>(pixel + step)]; };
+    const bool before = depth_at(0) < kFar && (depth_at(1) == kFar || depth_at(-1) == kFar);
+    const bool beyond = depth_at(0) == kFar && (depth_at(-4) < kFar || depth_at(4) < kFar);
+    if (before || beyond) image.depth[static_cast<std::size_t>(pixel)] = 0;
+  }
+  const Pose start = Eigen::Translation3f(kPixel * Vector3f(0.9F, 0, 0)) * kFacing;
+  const Pose found = solved(image, brick(), start);
+  EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.3F * kPixel);
+}
+
 /// Information on a slide along x.
 double information_on_slide(const RangeImage& image) {
   return equations_of(image, brick(), kFacing).information(3, 3);
@@ -74,7 +89,11 @@ TEST(PoseEquations, HoldASlideByEdgesAloneWhereTheSceneFallsBack) {
   EXPECT_GT(information_on_slide(image), 1 / static_cast<double>(kPixel * kPixel));
   RangeImage unmeasured = image;
   for (float& depth : unmeasured.depth) depth = depth == kFar ? 0 : depth;
-  EXPECT_LT(information_on_slide(unmeasured), 1) << "the face may go on there";
+  EXPECT_GT(information_on_slide(unmeasured), 1 / static_cast<double>(kPixel * kPixel))
+      << "measurements end where the face does";
+  for (std::size_t pixel = 0; pixel < unmeasured.depth.size(); ++pixel)
+    if (pixel % 160 < 65 || pixel % 160 > 100) unmeasured.depth[pixel] = 0;
+  EXPECT_LT(information_on_slide(unmeasured), 1) << "the face goes on where nothing is measured";
   RangeImage in_contact = image;
   for (float& depth : in_contact.depth) depth = depth == kFar ? 0.6F : depth;
   EXPECT_LT(information_on_slide(in_contact), 1) << "the face goes on";
