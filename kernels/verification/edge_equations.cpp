@@ -46,8 +46,8 @@ int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
 }
 
 /// Number of pixels from the model's end to that of the measured surface, beyond it or negative.
-/// Empty if the surface does not end nearby, before something farther or what is not measured; or if
-/// it is oblique, since sensors do not measure it up to its end.
+/// Empty if the surface does not end nearby before something farther, with or without unmeasured
+/// pixels between; or if it is oblique, since sensors do not measure it up to its end.
 std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& end) noexcept {
   const RayHit hit = rays.hit_at(end.i, end.j);
   if (!(hit.facing > kFlatCosine)) return std::nullopt;
@@ -66,16 +66,19 @@ std::optional<float> distance_to_edge(const ExaminedRays& rays, const RayEnd& en
     const float cosine = rays.image.normals[pixel].dot(hit.normal);
     return cosine < kContinues ? Place::elsewhere : Place::surface;  // NaN: no normal
   };
+  int outside = 0;  // the first pixel from the model's end that does not measure the surface
+  while (outside <= kEdgeReach && place_at(outside) == Place::surface) ++outside;
+  int measured = outside;
+  while (measured <= kEdgeReach && place_at(measured) == Place::unmeasured) ++measured;
+  // The surface may go on where nothing is measured.
+  if (measured > kEdgeReach || place_at(measured) != Place::behind) return std::nullopt;
+  if (outside > 0) return static_cast<float>(outside - 1);
   const Place own = place_at(0);
-  if (own == Place::elsewhere) return std::nullopt;
-  const int side = own == Place::surface ? 1 : -1;
   const int last = own == Place::unmeasured ? kLost : kEdgeReach;
-  for (int step = side; std::abs(step) <= last; step += side) {
+  for (int step = -1; step >= -last; --step) {
     const Place place = place_at(step);
-    if (place == own || (side < 0 && place == Place::unmeasured)) continue;
-    const bool is_end = side > 0 ? place != Place::elsewhere : place == Place::surface;
-    if (!is_end) return std::nullopt;
-    return static_cast<float>(side > 0 ? step - 1 : step);
+    if (place == Place::surface) return static_cast<float>(step);
+    if (place != own && place != Place::unmeasured) return std::nullopt;
   }
   return std::nullopt;
 }
