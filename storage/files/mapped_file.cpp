@@ -80,7 +80,8 @@ Result<void> MappedFile::Mapping::copy(std::size_t k) {
     const ssize_t written =
         ::pwrite(memory, bytes.data() + done, bytes.size() - done, static_cast<off_t>(from + done));
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) break;
+    if (written < 0 && errno == EFAULT) break;  // the file has become shorter
+    if (written <= 0) return no_memory_for_copies();
     done += static_cast<std::size_t>(written);
   }
   if (!map_over(bytes, MAP_SHARED, memory, from)) return no_memory_for_copies();

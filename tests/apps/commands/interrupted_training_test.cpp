@@ -147,5 +147,15 @@ TEST_F(InterruptedTraining, GoesOnWhenAFullDiskIsNotFullAnyMore) {
   }
 }
 
+TEST_F(InterruptedTraining, TakesAFailedCopyOfAMappedLibraryForNoDamage) {
+  if (std::string(TRIVET_FAILING_WRITES).empty()) GTEST_SKIP() << "not with sanitizers";
+  const test::Outcome failed =
+      train_all({std::string("LD_PRELOAD=") + TRIVET_FAILING_WRITES, "FAIL_IN_MEMORY=1"});
+  EXPECT_EQ(failed.exit_code, 74) << failed.error;
+  EXPECT_NE(failed.error.find("copy of a mapped file"), std::string::npos) << failed.error;
+  expect_complete(failed.error);
+  expect_done_by_the_same_command(failed.error);
+}
+
 }  // namespace
 }  // namespace trivet

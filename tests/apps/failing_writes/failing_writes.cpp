@@ -1,6 +1,6 @@
 /// Preloaded into a program: counts its writes to regular files and its fsyncs, and makes them fail
-/// from number FAIL_FROM on (1 is the first), as on a full disk. The count is written to the file
-/// COUNT_TO when the program ends.
+/// from number FAIL_FROM on (1 is the first), as on a full disk, or only its writes to files in
+/// memory if FAIL_IN_MEMORY is set. The count is written to the file COUNT_TO when the program ends.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -10,20 +10,31 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 
 namespace {
 
 std::atomic<long> num_calls{0};
+
+bool is_in_memory(int descriptor) {
+  constexpr const char* kPrefix = "/memfd:";
+  char link[64], name[64] = {};
+  std::snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  const ssize_t size = ::readlink(link, name, sizeof name - 1);
+  return size > 0 && std::strncmp(name, kPrefix, std::strlen(kPrefix)) == 0;
+}
 
 /// Whether this call must fail.
 bool fails(int descriptor) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return false;
   static const char* const from = std::getenv("FAIL_FROM");
+  static const bool in_memory = std::getenv("FAIL_IN_MEMORY") != nullptr;
   const long call = ++num_calls;
-  if (from == nullptr || call < std::atol(from)) return false;
-  errno = ENOSPC;
-  return true;
+  const bool must_fail =
+      in_memory ? is_in_memory(descriptor) : from != nullptr && call >= std::atol(from);
+  if (must_fail) errno = ENOSPC;
+  return must_fail;
 }
 
 template <class Function>
