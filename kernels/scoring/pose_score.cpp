@@ -13,7 +13,8 @@ constexpr float kEnoughPixels = 200;  // more of them show how near the object i
 
 ScoreParts score_parts(const Examination& e, float relative_tolerance, float correlation) noexcept {
   const float measured = e.consistent + e.violation + e.background;
-  const float silhouette = e.covered + e.outside;  // nothing was measured beyond the images
+  // Nothing was measured beyond the images. Gaps of the measured surface tell nothing.
+  const float silhouette = e.covered - e.gaps + e.outside;
   const float outline = e.outline_free + e.outline_touching + e.outline_crossed;
   // The offsets are the resolution of sensors near zero: without them a part would grow with the
   // number of pixels, and near objects would score better than far ones.
@@ -29,7 +30,7 @@ ScoreParts score_parts(const Examination& e, float relative_tolerance, float cor
           std::log(e.slope + offset.slope),
           std::log(e.stability + offset.stability),
           std::log(e.consistent / (silhouette + 1) + offset.consistent),
-          e.unknown / (e.covered + 1),
+          (e.unknown - e.gaps) / (e.covered + 1),
           std::log(std::min(e.consistent, kEnoughPixels) + offset.pixels),
           std::log(e.sunk / (measured + e.sunk + 10) + offset.sunk),
           std::log(e.relief + offset.relief),

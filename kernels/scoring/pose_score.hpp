@@ -26,8 +26,8 @@ inline constexpr std::array<ScorePart, 17> kScoreParts{{
     {"smooth", false},      // log of the mean squared residual averaged over windows
     {"slope", false},       // log of the mean angle between both surfaces
     {"stability", true},    // log of how well the visible surface determines the pose
-    {"consistent", true},   // log share of the silhouette that agrees
-    {"unknown", false},     // share of the silhouette without measurement
+    {"consistent", true},   // log share of the silhouette that agrees, gaps left out
+    {"unknown", false},     // share of the silhouette without measurement, but for gaps
     {"pixels", true},       // log of the number of pixels that agree, up to 200
     {"sunk", false},        // log share of slightly hidden pixels
     {"relief", true},       // log deviation of the visible surface from a plane, in tolerances

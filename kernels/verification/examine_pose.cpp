@@ -124,6 +124,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
       const auto [r, pixel] = measure_along(rays.image, expected, tolerance);
       if (pixel < 0) {
         out.unknown += square;
+        rays.scratch.state[at] = kUnmeasured;
         rays.record(RayVerdict::unmeasured, hit.place);
         continue;
       }
@@ -213,6 +214,29 @@ float area_of_squares(const ExaminedRays& rays, const IsSo& is_so) noexcept {
     }
   }
   return area;
+}
+
+/// Whether the next ray in a direction that was measured agrees with the model.
+bool agrees_next(const ExaminedRays& rays, int i, int j, int di, int dj) noexcept {
+  for (int x = i + di, y = j + dj; x >= 0 && y >= 0 && x < rays.crop.width && y < rays.crop.height;
+       x += di, y += dj) {
+    const std::uint8_t state = rays.scratch.state[rays.crop.at(x, y)];
+    if (state == kConsistent) return true;
+    if (state != kUnmeasured && state != kJudged) return false;  // grazing rays judge nothing
+  }
+  return false;
+}
+
+/// Count what was not measured between rays that agree: shiny and dark surfaces have such gaps.
+void find_gaps(const ExaminedRays& rays, Examination& out) noexcept {
+  for (int j = 0; j < rays.crop.height; ++j) {
+    for (int i = 0; i < rays.crop.width; ++i) {
+      if (rays.scratch.state[rays.crop.at(i, j)] != kUnmeasured) continue;
+      if ((agrees_next(rays, i, j, 1, 0) && agrees_next(rays, i, j, -1, 0)) ||
+          (agrees_next(rays, i, j, 0, 1) && agrees_next(rays, i, j, 0, -1)))
+        out.gaps += static_cast<float>(rays.crop.stride * rays.crop.stride);
+    }
+  }
 }
 
 /// Find what lies on the model, and where the sensor saw through it, wider than outlines are blurred.
@@ -354,6 +378,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
     compare(cast, options.verify.tolerance, static_cast<std::uint32_t>(first_pixel), out, sums,
             lists.explained);
     find_wide(cast, out);
+    find_gaps(cast, out);
     smooth(cast, sums);
     judge_outline(cast, out, sums.outline, lists.equations ? &sums.edges : nullptr);
     if (lists.explained) lists.explained->square = static_cast<std::uint32_t>(cast.crop.stride);

@@ -27,13 +27,16 @@ struct Examination {
   float occluded = 0;      ///< something nearer hides the model
   float overlaid = 0;      ///< occluded by something wider than outlines are blurred: its squares
   float seen_through = 0;  ///< seen through far and wider than outlines are blurred: its squares
-  float sunk = 0;        ///< occluded by so little that the occluder may be mistaken for the model
-  float unknown = 0;     ///< no measurement
+  float sunk = 0;     ///< occluded by so little that the occluder may be mistaken for the model
+  float unknown = 0;  ///< no measurement
+  float gaps = 0;  ///< of these, what lies between agreeing rays of one row or column: the sensor
+                   ///< measured the surface on both sides, and missed it there
   float background = 0;  ///< agrees only with a background plane
 
-  float outline = 0;       ///< ends of the model inside the images, but for those of open surfaces
-                           ///< beyond which the scene may go on
-  float outline_free = 0;  ///< outline beyond which the scene falls back or is not measured
+  /// Ends of the model inside the images that nothing else hides, but for those of open surfaces
+  /// beyond which the scene may go on.
+  float outline = 0;
+  float outline_free = 0;      ///< outline beyond which the scene falls back or is not measured
   float outline_touching = 0;  ///< outline with something else in contact beyond it: the scene has
                                ///< a crease
   float outline_crossed = 0;   ///< outline over which the scene continues smoothly at the model's

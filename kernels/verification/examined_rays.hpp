@@ -18,13 +18,15 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 /// Verdict of a ray. From kJudged on it hits the model inside the image. kEntered: hidden by the
-/// plane that the model bears on. kSeenThrough: something is measured far behind it.
+/// plane that the model bears on. kUnmeasured: hit, but without a measurement. kSeenThrough:
+/// something is measured far behind it.
 enum RayState : std::uint8_t {
   kMissed,
   kOutside,
   kEntered,
   kHidden,
   kJudged,
+  kUnmeasured,
   kSeenThrough,
   kConsistent
 };

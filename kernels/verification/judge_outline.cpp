@@ -77,7 +77,9 @@ bool creases(const ExaminedRays& rays, int u, int v, int du, int dv) noexcept {
 }
 
 /// Whether the scene continues in the plane before this ray: no edge, no fold.
-bool runs_on(const ExaminedRays& rays, const RayEnd& end) noexcept {
+///
+/// limit  largest distance from the plane [scene unit]
+bool runs_on(const ExaminedRays& rays, const RayEnd& end, float limit) noexcept {
   const auto [i, j, di, dj] = end;
   const int u = rays.crop.u(i), v = rays.crop.v(j);
   const int away = static_cast<int>(rays.options.window) + 1;  // no normal is fitted to both sides
@@ -94,7 +96,7 @@ bool runs_on(const ExaminedRays& rays, const RayEnd& end) noexcept {
     if (!rays.inside(x, y)) return false;
     const float d = rays.image.depth[rays.pixel_at(x, y)];
     if (!(d > 0) ||
-        std::abs(n.dot(rays.geometry.back_project(rays.pixel_at(x, y), d)) - offset) > rays.jump)
+        std::abs(n.dot(rays.geometry.back_project(rays.pixel_at(x, y), d)) - offset) > limit)
       return false;
   }
   return true;
@@ -164,6 +166,21 @@ Eigen::Vector2f direction_across(const ExaminedRays& rays, const RayEnd& end) {
   return agree ? missed.normalized() : Eigen::Vector2f::Zero();
 }
 
+/// Whether the surface that agrees with the model's visible part goes on in front of this hidden
+/// end, in one plane: nothing lies on the model, it dips beneath what it is taken for.
+bool is_overrun_at(const ExaminedRays& rays, const RayEnd& end) noexcept {
+  for (int k = 1; k <= kMostRays; ++k) {
+    const int x = end.i - k * end.di, y = end.j - k * end.dj;
+    if (x < 0 || y < 0 || x >= rays.crop.width || y >= rays.crop.height) return false;
+    const std::uint8_t state = rays.scratch.state[rays.crop.at(x, y)];
+    if (state == kConsistent)
+      return runs_on(rays, {x, y, end.di, end.dj},
+                     ExaminedRays::kSamePlane * rays.options.verify.tolerance);
+    if (state != kHidden && state != kJudged) return false;
+  }
+  return false;
+}
+
 /// Evaluate an end of the model: the scene beyond, and the constraint on the pose.
 void judge_end(const ExaminedRays& rays, const RayEnd& end, Examination& out, OutlineSums& sums,
                EdgeEquations* edges) {
@@ -182,12 +199,16 @@ void judge_outline(const ExaminedRays& rays, Examination& out, OutlineSums& sums
   constexpr std::array<std::array<int, 2>, 4> kSteps{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
   for (int j = ExaminedRays::kMargin; j < rays.crop.height - ExaminedRays::kMargin; ++j) {
     for (int i = ExaminedRays::kMargin; i < rays.crop.width - ExaminedRays::kMargin; ++i) {
-      if (rays.scratch.state[rays.crop.at(i, j)] < kJudged) continue;
+      const std::uint8_t state = rays.scratch.state[rays.crop.at(i, j)];
+      if (state < kHidden) continue;
       for (const auto& [di, dj] : kSteps) {
         const RayEnd end{i, j, di, dj};
-        if (ends_at(rays, end)) {
+        if (state == kHidden) {  // what is hidden by something else is no part of the outline
+          if (ends_at(rays, end) && is_overrun_at(rays, end))
+            out.outline += static_cast<float>(rays.crop.stride);
+        } else if (ends_at(rays, end)) {
           judge_end(rays, end, out, sums, edges);
-        } else if (dips_at(rays, end) && runs_on(rays, end)) {
+        } else if (dips_at(rays, end) && runs_on(rays, end, rays.jump)) {
           out.buried += static_cast<float>(rays.crop.stride);
         }
       }

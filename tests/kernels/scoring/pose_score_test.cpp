@@ -64,6 +64,16 @@ TEST(PoseScore, FallsWithWhatSpeaksAgainstAPose) {
   }
 }
 
+TEST(PoseScore, LeavesGapsOut) {
+  Examination with_gaps = good();
+  with_gaps.covered += 300;
+  with_gaps.unknown += 300;
+  const float unmeasured = probability(with_gaps);
+  with_gaps.gaps = 300;
+  EXPECT_GT(probability(with_gaps), unmeasured);
+  EXPECT_GE(probability(with_gaps), probability(good()));
+}
+
 // For any fit, more of a part never counts against what it indicates.
 TEST(PoseScore, IsMonotoneInEachPart) {
   const ScoreModel& model = fitted_score();

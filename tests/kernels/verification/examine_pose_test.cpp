@@ -416,6 +416,29 @@ TEST(ExaminePose, TellsASolidPartThatIsSeenThroughFromErrors) {
   EXPECT_EQ(seen_through(0, 0), 0);
 }
 
+// Shiny surfaces have gaps: the same surface was measured on both sides of them.
+TEST(ExaminePose, DistinguishesGapsFromEndsThatWereNotMeasured) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const RangeImage whole = render({{&brick(), flat}});
+  const auto without = [&](int first, int last, float beyond) {
+    RangeImage image = whole;
+    for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+      const int u = static_cast<int>(pixel % 160);
+      if (u >= first && u < last) image.depth[pixel] = 0;
+      if (u >= last && beyond > 0) image.depth[pixel] += beyond;
+    }
+    return examine(image, brick(), flat);
+  };
+  const Examination middle = without(70, 90, 0), end = without(90, 160, 0);
+  EXPECT_GT(middle.unknown, 500);
+  EXPECT_EQ(middle.gaps, middle.unknown);
+  EXPECT_GT(end.unknown, 500);
+  EXPECT_EQ(end.gaps, 0);
+  const Examination other = without(70, 90, 10 * kTolerance);
+  EXPECT_EQ(other.unknown, middle.unknown);
+  EXPECT_EQ(other.gaps, 0) << "the surface beyond is another";
+}
+
 TEST(ExaminePose, FindsAHoleInTheMiddleAtAnyBlur) {
   const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
   RangeImage image = render({{&brick(), flat}});

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "kernels/verification/examine_pose.hpp"
 #include "support/examine.hpp"
@@ -194,6 +196,27 @@ TEST(JudgeOutline, SeesThatASlantedFaceGoesOnBeyondTheModel) {
   EXPECT_GT(part.outline_crossed, 0.3F * part.outline);
   EXPECT_LT(part.outline_free, 0.5F * part.outline);
   EXPECT_LT(part.outline_free, outline(wide, false).outline_free) << "nothing is known of it";
+}
+
+// One half of the brick dips beneath the face of a wider box that its other half agrees with.
+TEST(JudgeOutline, CountsEndsThatTheSameSurfaceGoesOnBefore) {
+  const Body wide({0.3F, 0.2F, 0.04F}), cover({0.05F, 0.08F, 0.01F});
+  const Pose face = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  const Pose dipping = test::pose_of({0, -0.12F, 0}, {0.02F, 0, 0.6F});
+  using Bodies = std::vector<std::pair<const Body*, Pose>>;
+  const auto outline = [&](const Bodies& bodies, bool with_normals) {
+    RangeImage image = render(bodies);
+    for (std::size_t pixel = 0; with_normals && pixel < image.depth.size(); ++pixel)
+      image.normals.set(pixel, {0, 0, -1});
+    const Examination e = examine(image, brick(), dipping);
+    EXPECT_GT(e.consistent, 100);
+    EXPECT_GT(e.occluded, 100);
+    return e.outline;
+  };
+  const Bodies alone{{&wide, face}};
+  EXPECT_GT(outline(alone, true), outline(alone, false) + 20);
+  const Bodies covered{{&wide, face}, {&cover, test::pose_of({0, 0, 0}, {0.08F, 0, 0.5F})}};
+  EXPECT_LT(outline(covered, true), outline(alone, true) - 20) << "something else hides the ends";
 }
 
 }  // namespace
