@@ -7,6 +7,8 @@ namespace trivet::kernels {
 namespace {
 
 constexpr std::ptrdiff_t kAway = 12, kFlat = 4;  // [pixel]
+// What sensors that do not filter lose of a step, or blend into it [pixel].
+constexpr std::ptrdiff_t kMostGap = 2;
 // Of the range. Smaller steps are those of coarse depths; filters keep larger ones.
 constexpr float kLeastStep = 0.012F, kMostStep = 0.06F;
 constexpr float kMostRange = 0.2F;  // of depths in a flat piece [height of the step]
@@ -39,15 +41,34 @@ Piece piece_at(const ScanLine& line, std::ptrdiff_t first) noexcept {
   return {sum / kFlat, most - least, line[first + kFlat - 1] - line[first]};
 }
 
+bool is_measured(const ScanLine& line, std::ptrdiff_t first) noexcept {
+  for (std::ptrdiff_t i = first; i < first + kFlat; ++i) {
+    if (!(line[i] > 0)) return false;
+  }
+  return true;
+}
+
+/// Depth of a pixel relative to the next measured one before it; 0 without any within a gap.
+float jump_to(const ScanLine& line, std::ptrdiff_t i) noexcept {
+  if (!(line[i] > 0)) return 0;
+  for (std::ptrdiff_t before = i - 1; before >= i - 1 - kMostGap; --before) {
+    if (line[before] > 0) return line[i] - line[before];
+  }
+  return 0;
+}
+
 void count_steps(const ScanLine& line, StepCounts& counts) noexcept {
-  std::ptrdiff_t num_measured = 0;  // in a row, up to the end of the second piece
+  std::ptrdiff_t gap = 0,
+                 first = 0;  // pixels without a measurement in a row; what follows wide gaps
   for (std::ptrdiff_t last = 0; last < line.count; ++last) {
-    num_measured = line[last] > 0 ? num_measured + 1 : 0;
-    if (num_measured < 2 * (kAway + kFlat)) continue;
-    const std::ptrdiff_t i = last - kAway - kFlat;  // the jump is from here to the next pixel
-    const float jump = line[i + 1] - line[i];
-    const Piece before = piece_at(line, i - kAway - kFlat + 1),
-                after = piece_at(line, i + 1 + kAway);
+    gap = line[last] > 0 ? 0 : gap + 1;
+    if (gap > kMostGap) first = last + 1;
+    const std::ptrdiff_t before_at = last + 1 - 2 * (kAway + kFlat), after_at = last + 1 - kFlat;
+    if (before_at < first) continue;
+    const std::ptrdiff_t i = before_at + kFlat + kAway;  // the jump is to this pixel
+    const float jump = jump_to(line, i);
+    if (jump == 0 || !is_measured(line, before_at) || !is_measured(line, after_at)) continue;
+    const Piece before = piece_at(line, before_at), after = piece_at(line, after_at);
     const float step = after.mean - before.mean, height = std::abs(step);
     if (!(height >= kLeastStep * line[i] && height <= kMostStep * line[i] && step * jump > 0))
       continue;
@@ -56,7 +77,7 @@ void count_steps(const ScanLine& line, StepCounts& counts) noexcept {
     if (slope / (step / kPieceToPiece) > kMostSlope) continue;
     bool is_largest = true;
     for (std::ptrdiff_t k = i - kAway; k <= i + kAway && is_largest; ++k)
-      is_largest = !(std::abs(line[k + 1] - line[k]) > std::abs(jump));
+      is_largest = !(std::abs(jump_to(line, k)) > std::abs(jump));
     if (!is_largest) continue;
     ++counts.steps;
     counts.abrupt += std::abs(jump) > kAbrupt * height ? 1 : 0;

@@ -40,7 +40,27 @@ TEST(DepthSteps, OfASmoothedImageAreNot) {
   }
 }
 
-TEST(DepthSteps, HaveNoGaps) {
+/// Whether the depth of a pixel is another than that of its left or upper neighbor.
+bool is_beside_edge(const RangeImage& image, std::size_t pixel) {
+  const std::size_t width = image.geometry.width;
+  const auto differs = [&](std::size_t other) {
+    return std::abs(image.depth[pixel] - image.depth[other]) > 0.01F;
+  };
+  return (pixel % width > 0 && differs(pixel - 1)) || (pixel >= width && differs(pixel - width));
+}
+
+TEST(DepthSteps, AreAbruptWhereSensorsLoseThePixelsOfEdges) {
+  const RangeImage whole = plate();
+  RangeImage image = whole;
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    if (is_beside_edge(whole, pixel)) image.depth[pixel] = 0;
+  }
+  const StepCounts counts = count(image);
+  EXPECT_GT(counts.steps, 120U);
+  EXPECT_EQ(counts.abrupt, counts.steps);
+}
+
+TEST(DepthSteps, HaveNoWideGaps) {
   const RangeImage image = plate(), blurred = test::smoothed(image, 2);
   RangeImage open = blurred;
   for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
