@@ -43,8 +43,9 @@ constexpr float kMuchCloser = 0.25F;
 constexpr float kSharedError = 0.15F;
 // What a filter moves a surface by may be wrong by as much: its length is estimated, its form assumed.
 constexpr float kFilterError = 1;
-// Poses that differ by less are the same for edges [pixel].
-constexpr float kApart = 0.5F;
+// Poses that differ by less are the same for edges; robust weights shorten steps, and a pose stands
+// still where they are shorter than the second [pixel].
+constexpr float kApart = 0.5F, kStill = 0.1F;
 // Refined poses farther from the proposed one, in diameters, are other poses.
 constexpr float kMostShift = 0.1F, kMostTurnRad = 0.35F;
 // Errors of a pose are smaller in 99.9 % of all cases [standard deviations].
@@ -270,7 +271,7 @@ TestedPose PoseTester::polish_and_examine(const kernels::RayScene& surface,
                                           kernels::ExamineScratch& scratch) const {
   const Pose wide = polished(pose), narrow = sharpened(wide);
   TestedPose tested = examine(surface, score, wide, scratch);
-  if (!are_apart(wide, narrow)) return tested;
+  if (!are_apart(wide, narrow, kApart)) return tested;
   TestedPose other = examine(surface, score, narrow, scratch);
   const bool is_better = fits_closer({other.score, other.test.examination.mean_square},
                                      {tested.score, tested.test.examination.mean_square}) ||
@@ -287,7 +288,7 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
   float score_at = tested.score;
   for (int step = 0; step < kSteps && score_at > kWorthMoving; ++step) {
     const std::optional<Pose> moved = solve(at, equations);
-    if (!moved || !are_apart(at, *moved)) break;
+    if (!moved || !are_apart(at, *moved, kStill)) break;
     at = *moved;
     optimum = examine_once(surface, score, at, scratch, equations);
     score_at = optimum.score;
@@ -295,19 +296,19 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
   const bool is_better = kernels::log_odds(score_at, kLeast) >
                              kernels::log_odds(tested.score, kLeast) -
                                  kAsGood * static_cast<double>(1 - scene_.sensor.correlation) &&
-                         are_apart(pose, at);
+                         are_apart(pose, at, kApart);
   TestedPose& best = is_better ? optimum : tested;
   // Not before the pose is where it fits best: beside it the sensor sees through what stands out.
   if (best.test.examination.seen_through > 0) best.score = 0;
   return std::move(best);
 }
 
-/// Whether two poses differ by more than edges of the scan are known to.
-bool PoseTester::are_apart(const Pose& a, const Pose& b) const {
+/// Whether two poses differ by more than so many pixels, and what the scan shifts edges by.
+bool PoseTester::are_apart(const Pose& a, const Pose& b, float pixels) const {
   const float shift = (a * model_.center - b * model_.center).norm();
   const float turn = kernels::rotation_angle(a.linear(), b.linear());
   return shift + 0.5F * model_.diameter * turn >
-         kApart * static_cast<float>(1 + edge_pixels(a)) * pixel_at(a);
+         pixels * static_cast<float>(1 + edge_pixels(a)) * pixel_at(a);
 }
 
 /// The pose that solves the equations; empty if it is far away.

@@ -99,7 +99,7 @@ class PoseTester {
   TestedPose examine_once(const kernels::RayScene& surface, const kernels::ScoreModel& score,
                           const Pose& pose, kernels::ExamineScratch& scratch,
                           kernels::PoseEquations& equations) const;
-  bool are_apart(const Pose& a, const Pose& b) const;
+  bool are_apart(const Pose& a, const Pose& b, float pixels) const;
   std::optional<Pose> solve(const Pose& pose, const kernels::PoseEquations& equations) const;
   const std::optional<Symmetry::Axis>& free_axis() const;
   Pose sharpened(const Pose& pose) const;

@@ -79,6 +79,21 @@ TEST(PoseEquations, LeadAFaceBackWhosePixelsAtItsEndsAreLost) {
   EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.3F * kPixel);
 }
 
+// A sensor has its shadow on one side: the face ends a pixel early there, and in place elsewhere.
+TEST(PoseEquations, KeepAFaceInPlaceThatLosesPixelsOnOneSide) {
+  const Pose straight = test::pose_of({0, 0, 0}, {0, 0, 0.64F});
+  RangeImage image = render({{&brick(), straight}});
+  const Column<float> seen = image.depth;
+  for (std::size_t pixel = 3; pixel + 3 < seen.size(); ++pixel) {
+    const bool is_first = seen[pixel] < kFar && seen[pixel - 1] == kFar;
+    const bool is_in_shadow =
+        seen[pixel] == kFar && (seen[pixel + 1] < kFar || seen[pixel + 3] < kFar);
+    if (is_first || is_in_shadow) image.depth[pixel] = 0;
+  }
+  const Pose found = solved(image, brick(), straight);
+  EXPECT_LT((found.translation() - straight.translation()).norm(), 0.5F * kPixel) << "not by one";
+}
+
 /// Information on a slide along x.
 double information_on_slide(const RangeImage& image) {
   return equations_of(image, brick(), kFacing).information(3, 3);
