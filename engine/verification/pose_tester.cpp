@@ -27,6 +27,8 @@ constexpr float kCorrelated = 0.25F;
 // Poses of a lower score are not moved to the optimum beside them. On development scans, results
 // hardly depend on it up to 0.7.
 constexpr float kWorthMoving = 0.1F;
+// Of a likelier pose also the last short steps are taken.
+constexpr float kLikely = 0.5F;
 constexpr int kSteps = 8;
 constexpr int kNarrowings = 8;  // each gate about half a standard deviation of the sensor narrower
 // Edges know better than the score where a pose is, unless it is less likely there by this much
@@ -288,7 +290,7 @@ TestedPose PoseTester::examine(const kernels::RayScene& surface, const kernels::
   float score_at = tested.score;
   for (int step = 0; step < kSteps && score_at > kWorthMoving; ++step) {
     const std::optional<Pose> moved = solve(at, equations);
-    if (!moved || !are_apart(at, *moved, kStill)) break;
+    if (!moved || !are_apart(at, *moved, score_at > kLikely ? kStill : kApart)) break;
     at = *moved;
     optimum = examine_once(surface, score, at, scratch, equations);
     score_at = optimum.score;
