@@ -50,7 +50,7 @@ struct RivalComparison {
 /// lies, and the second where the first lies, so that what they have in common is at the same place.
 /// The log odds are the mean of both log likelihood ratios. In 332 places of rendered scans of parts
 /// that differ by a hole, a notch or a chamfer, 4 decisions were wrong, compared with 44 by their
-/// own poses, and the best factor on the ratio was 0.9 (docs/measurements.md, "Other answers").
+/// own poses, and the best factor on the ratio was 0.9 (docs/verification.md, "Other answers").
 /// Other models are compared in their own poses (rival_log_odds).
 ///
 /// Errors: internal (no memory for a model's ray-tracing tree), damaged.

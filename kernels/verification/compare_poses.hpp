@@ -17,7 +17,7 @@ namespace trivet::kernels {
 /// How much better a first pose explains the scan than a second one.
 struct PoseComparison {
   /// Of a normal distribution, 0.6 % lie beyond it on one side, and as few of the decisions between
-  /// near-symmetric poses on rendered scans were wrong (docs/measurements.md, "Alternative poses").
+  /// near-symmetric poses on rendered scans were wrong (docs/verification.md, "Alternative poses").
   static constexpr double kSignificant = 2.5;
 
   double log_ratio = 0;  ///< log likelihood ratio of the votes; above 0: the first pose is better

@@ -352,7 +352,7 @@ std::ostream& operator<<(std::ostream& out, const RealSets& sets) { return out <
 
 class ScanStatistics : public testing::TestWithParam<RealSets> {};
 
-// docs/measurements.md lists the statistics, which this test writes as properties to its XML
+// docs/verification.md lists the statistics, which this test writes as properties to its XML
 // output.
 TEST_P(ScanStatistics, OfRealScansLieWithinThoseOfRandomizedOnes) {
   const RealSets sets = GetParam();
