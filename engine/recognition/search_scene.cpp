@@ -5,6 +5,7 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <span>
@@ -32,11 +33,8 @@ constexpr std::size_t kSmoothingPoses = 24;  // that tell how the scan was smoot
 constexpr float kSamePlace = 0.5F;           // largest distance of their centers [mean diameter]
 constexpr float kClimbsFrom = 0.5F;          // minimum score of poses whose look-alikes are tested
 
-/// A pose and its probability with each length of a filter.
-struct SmoothingTest {
-  Row row = 0;
-  std::array<float, kernels::kSmoothingLengths.size()> probabilities{};
-};
+/// Probabilities of a pose with each length of a filter.
+using ByLength = std::array<float, kernels::kSmoothingLengths.size()>;
 
 class SceneSearch {
  public:
@@ -77,9 +75,10 @@ class SceneSearch {
   Result<void> examine(std::span<const Row> rows);
   /// Find out by the best poses how a filter has smoothed the scan, and test all poses accordingly.
   Result<void> find_smoothing();
-  /// The tested poses that tell how the scan was smoothed: at each place the one with the highest
-  /// probability. A pose beside it fits better the more its model is smoothed.
-  std::vector<SmoothingTest> likeliest_of_places(std::vector<SmoothingTest> tests) const;
+  /// The probabilities of the likeliest pose of each place, given those of all: a pose beside it fits
+  /// better the more its model is smoothed.
+  std::vector<ByLength> likeliest_of_places(std::span<const Row> rows,
+                                            std::span<const ByLength> probabilities) const;
   void refine(std::span<const Row> rows);
   std::vector<Row> choose_to_examine(std::span<const Row> rows);
 
@@ -332,21 +331,25 @@ Result<void> SceneSearch::examine(std::span<const Row> rows) {
   return {};
 }
 
-std::vector<SmoothingTest> SceneSearch::likeliest_of_places(
-    std::vector<SmoothingTest> tests) const {
-  std::ranges::stable_sort(tests, std::ranges::greater(), [](const SmoothingTest& test) {
-    return std::ranges::max(test.probabilities);
-  });
-  std::vector<SmoothingTest> out;
-  for (const SmoothingTest& test : tests) {
-    const ModelInfo& model = library_.models[table_.model[test.row]];
-    const Eigen::Vector3f center = table_.T_scene_model[test.row] * model.center;
-    const bool is_alone = std::ranges::none_of(out, [&](const SmoothingTest& better) {
-      const ModelInfo& other = library_.models[table_.model[better.row]];
-      return (table_.T_scene_model[better.row] * other.center - center).norm() <
-             kSamePlace * 0.5F * (model.diameter + other.diameter);
-    });
-    if (is_alone) out.push_back(test);
+std::vector<ByLength> SceneSearch::likeliest_of_places(
+    std::span<const Row> rows, std::span<const ByLength> probabilities) const {
+  std::vector<std::size_t> order(rows.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, std::ranges::greater(),
+                           [&](std::size_t k) { return std::ranges::max(probabilities[k]); });
+  const auto overlap = [&](Row a, Row b) {
+    const ModelInfo &first = library_.models[table_.model[a]],
+                    &second = library_.models[table_.model[b]];
+    const float apart =
+        (table_.T_scene_model[a] * first.center - table_.T_scene_model[b] * second.center).norm();
+    return apart < kSamePlace * 0.5F * (first.diameter + second.diameter);
+  };
+  std::vector<Row> places;
+  std::vector<ByLength> out;
+  for (const std::size_t k : order) {
+    if (std::ranges::any_of(places, [&](Row place) { return overlap(place, rows[k]); })) continue;
+    places.push_back(rows[k]);
+    out.push_back(probabilities[k]);
   }
   return out;
 }
@@ -355,19 +358,16 @@ Result<void> SceneSearch::find_smoothing() {
   const kernels::SensorModel unfiltered = scene_.sensor;
   std::vector<Row> all = tested_;
   const std::vector<Row> best = extract_best(table_.score, kSmoothingPoses, all);
-  std::vector<SmoothingTest> tests(best.size());
-  for (std::size_t t = 0; t < best.size(); ++t) tests[t].row = best[t];
+  std::vector<ByLength> probabilities(best.size());
   for (std::size_t k = 0; k < kernels::kSmoothingLengths.size(); ++k) {
     scene_.sensor = unfiltered.smoothed_by(kernels::kSmoothingLengths[k]);
     scene_.sensor.correlation = 1;  // one kind of errors for all lengths: filters make such
     const Result<std::vector<float>> scores = verifier_.full_scores(table_, best);
     if (!scores) return scores.error();
-    for (std::size_t t = 0; t < best.size(); ++t) tests[t].probabilities[k] = (*scores)[t];
+    for (std::size_t row = 0; row < best.size(); ++row) probabilities[row][k] = (*scores)[row];
   }
-  std::vector<std::array<float, kernels::kSmoothingLengths.size()>> probabilities;
-  for (const SmoothingTest& test : likeliest_of_places(std::move(tests)))
-    probabilities.push_back(test.probabilities);
-  const std::optional<float> smoothing = kernels::choose_smoothing(probabilities);
+  const std::optional<float> smoothing =
+      kernels::choose_smoothing(likeliest_of_places(best, probabilities));
   knows_smoothing_ = smoothing.has_value();
   scene_.sensor = unfiltered.smoothed_by(smoothing.value_or(0));
   if (!(scene_.sensor.smoothing > 0)) return {};

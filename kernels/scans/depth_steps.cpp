@@ -58,8 +58,8 @@ float jump_to(const ScanLine& line, std::ptrdiff_t i) noexcept {
 }
 
 void count_steps(const ScanLine& line, StepCounts& counts) noexcept {
-  std::ptrdiff_t gap = 0,
-                 first = 0;  // pixels without a measurement in a row; what follows wide gaps
+  std::ptrdiff_t gap = 0;    // pixels in a row without a measurement
+  std::ptrdiff_t first = 0;  // pixel after the last wide gap
   for (std::ptrdiff_t last = 0; last < line.count; ++last) {
     gap = line[last] > 0 ? 0 : gap + 1;
     if (gap > kMostGap) first = last + 1;

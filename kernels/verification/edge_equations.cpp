@@ -55,8 +55,9 @@ struct MeasuredEnd {
   bool is_at_gap;  ///< whether pixels beyond it are not measured
 };
 
-/// Empty if the surface does not end nearby before something farther, with or without unmeasured
-/// pixels between; or if it is oblique, since sensors do not measure it up to its end.
+/// Where the surface ends that was measured before an end of the model. Empty if it does not end
+/// nearby before something farther, with or without unmeasured pixels between; or if it is oblique,
+/// since sensors do not measure it up to its end.
 std::optional<MeasuredEnd> measured_end(const ExaminedRays& rays, const RayEnd& end) noexcept {
   const RayHit hit = rays.hit_at(end.i, end.j);
   if (!(hit.facing > kFlatCosine)) return std::nullopt;
