@@ -26,6 +26,8 @@ struct PreparedScene {
   std::vector<kernels::RangeImage> images;
   Points points;
   Normals normals;                     ///< toward the sensor or outward; NaN if unknown
+  Points edges;                        ///< places where faces end above what is behind them
+  Normals edge_directions;             ///< out of these faces, in their planes
   std::vector<kernels::Plane> planes;  ///< large planes, for models of any size
   std::vector<float> patches;          ///< area of the largest connected patch of each
   std::vector<std::uint8_t> ground;    ///< of each: 1 if nothing is measured behind it

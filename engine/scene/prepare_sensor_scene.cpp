@@ -14,6 +14,7 @@
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/scans/ground_planes.hpp"
 #include "kernels/scans/merge_pixels.hpp"
+#include "kernels/scans/occluding_edges.hpp"
 #include "kernels/scans/plane_patches.hpp"
 #include "kernels/scans/plane_samples.hpp"
 #include "kernels/scans/sparse_grid.hpp"
@@ -95,6 +96,31 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
   }
 }
 
+void find_edges(PreparedScene& scene) {
+  const kernels::RangeImage& image = scene.images.front();
+  const std::size_t height = image.geometry.height;
+  const kernels::OccludingEdgeOptions options{
+      scene.sensor, clamped_integer(std::round(scene.window), 1,
+                                    static_cast<int>(kernels::GridNormalOptions::kMaxWindow))};
+  struct Edges {
+    Points points;
+    Normals directions;
+  };
+  std::vector<Edges> rows((height + kRowGrain - 1) / kRowGrain);
+  for_each_index(rows.size(), [&](std::size_t k) {
+    const std::size_t first = k * kRowGrain;
+    kernels::find_occluding_edges(image, options, first, std::min(kRowGrain, height - first),
+                                  rows[k].points, rows[k].directions);
+  });
+  const Pose T_scene_camera = image.geometry.T_camera_scene.inverse();
+  for (const Edges& row : rows) {
+    for (std::size_t i = 0; i < row.points.size(); ++i) {
+      scene.edges.push_back(T_scene_camera * row.points[i]);
+      scene.edge_directions.push_back(T_scene_camera.linear() * row.directions[i]);
+    }
+  }
+}
+
 }  // namespace
 
 Error too_few_points(const SceneInput& input, std::string_view which, std::size_t num_points) {
@@ -156,6 +182,7 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
   if (view->scattered) close_holes(3 * scene.spacing, scene.images.back());
   find_dominant_planes(scene.images.back(), options, scene);
   measure_sensor(scene.images.back(), options, scene.sensor);
+  find_edges(scene);
   return {};
 }
 

@@ -22,6 +22,9 @@ constexpr float kFewestErrors = 25;
 // share is a third of the step; a cell of point pairs is 0.2 rad wide. Points that proposed right
 // poses in real scans have steps of 4 such errors, and more.
 constexpr float kFewestErrorsOfStep = 3;
+// Edges are sampled in steps larger by this factor. As closely as surfaces, they take no fewer false
+// answers in, and two per cent more time.
+constexpr float kEdgeSpacing = 2;
 // The same as for models, so that their pairs match.
 static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi_v<float> / 180 &&
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
@@ -61,6 +64,13 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
     sample.points.push_back(points[i]);
     sample.normals.push_back(normals[i]);
   }
+  kernels::subsample_by_normals({scene.edges, scene.edge_directions}, kEdgeSpacing * step,
+                                kNormalClusterRad, points, normals, scratch);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!shows(scene, points[i], largest_diameter, step)) continue;
+    sample.edges.push_back(points[i]);
+    sample.edge_directions.push_back(normals[i]);
+  }
   return sample;
 }
 
@@ -84,20 +94,23 @@ SceneLevel choose_voters(const PreparedScene& scene, const SceneSample& sample,
   SceneLevel level;
   level.step = sample.step;
   StopCheck check_stop(kPixelGrain);
-  for (std::size_t i = 0; i < sample.points.size(); ++i) {
-    check_stop();
-    if (!explained.empty() && is_explained(scene, explained, sample.points[i], sample.step))
-      continue;
-    level.points.push_back(sample.points[i]);
-    level.normals.push_back(sample.normals[i]);
-  }
+  const auto append = [&](const Points& points, const Normals& normals) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      check_stop();
+      if (!explained.empty() && is_explained(scene, explained, points[i], sample.step)) continue;
+      level.points.push_back(points[i]);
+      level.normals.push_back(normals[i]);
+    }
+  };
 
+  append(sample.points, sample.normals);
   level.references.resize(level.points.size());
   std::iota(level.references.begin(), level.references.end(), 0U);
   const std::size_t num_references =
       clamped_integer(std::ceil(options.reference_share * static_cast<float>(level.points.size())),
                       std::size_t{0}, std::size_t{options.max_references});
   level.references.resize(thin_by_pixels(scene, level.points, num_references, level.references));
+  append(sample.edges, sample.edge_directions);
   level.grid =
       kernels::VoxelHash(level.points, std::max(sample.step, 0.25F * sample.largest_diameter));
   return level;

@@ -16,6 +16,8 @@ struct SceneSample {
   float largest_diameter = 0;  ///< diameter of the largest model
   Points points;
   Normals normals;
+  Points edges;  ///< of faces that end above what is behind them
+  Normals edge_directions;
 };
 
 /// Treatment of points on planes that are larger than the largest model.
@@ -32,12 +34,13 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
 bool is_explained(const PreparedScene& scene, std::span<const std::uint8_t> explained,
                   const Eigen::Vector3f& point, float tolerance);
 
-/// Voting points for models of one step in one round.
+/// Voting points for models of one step in one round: of surfaces, then of edges, with directions as
+/// the normals of sides that the sensor does not see.
 struct SceneLevel {
   float step = 0;
   Points points;
   Normals normals;
-  std::vector<std::uint32_t> references;  ///< indices of the reference points, rising
+  std::vector<std::uint32_t> references;  ///< indices of the reference points on surfaces, rising
   kernels::VoxelHash grid;
 };
 

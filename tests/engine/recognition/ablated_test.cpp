@@ -62,7 +62,8 @@ class WithoutImprovement : public testing::Test {
         test::render_scan({{&wall, Pose::Identity()},
                            {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.03F, 0.85F})},
                            {&bracket, test::pose_of({-1.0F, 0.2F, 1.2F}, {0.05F, -0.1F, 0.95F})},
-                           {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.14F, 0.02F, 0.95F})}});
+                           {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.14F, 0.02F, 0.95F})},
+                           {&lever, test::pose_of({0.3F, -0.4F, 0.9F}, {-0.06F, 0.1F, 0.92F})}});
     kernels::CounterRandom random(7, 0, 0);
     const std::span<float> z = scene_.points.span().z;
     for (std::size_t i = 0; i < z.size(); ++i) {
@@ -173,7 +174,7 @@ TEST_F(WithoutImprovement, ScoresByVotesWhereAllIsLeftOut) {
 TEST_F(WithoutImprovement, FindsTheSamePartsBySamplesWhereNoRaysAreShot) {
   const auto result = recognize(recognizer_, scene_, {}, {.ablated = {Improvement::rays}});
   ASSERT_TRUE(result) << result.error().message;
-  ASSERT_EQ(result->detections.size(), 3U);
+  ASSERT_EQ(result->detections.size(), 4U);
   for (const Detection& detection : result->detections) {
     EXPECT_GT(detection.visible_fraction, 0.5F);
     EXPECT_LT(detection.violation, 0.1F);
