@@ -9,7 +9,7 @@ namespace {
 // The distance of an outline from an edge of the scan errs by half a pixel, alike for the next two
 // pixels along it. What a whole side errs by, since sensors shift edges and cameras are calibrated
 // to about a pixel, no number of pixels reduces.
-constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.7, kSides = 4;
+constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.5, kSides = 4;
 // Where a pixel sees both sides of an edge, sensors measure either, or nothing: all edges shift by up
 // to a pixel. Those that match windows shift them by half the possible displacement besides.
 constexpr double kCommonShift = 1, kShareOfWindow = 0.5;

@@ -35,6 +35,11 @@ constexpr float kSoftness = 1.5F;
 // Depth is measured over the width of a pixel, and what an oblique surface has there depends on where
 // in it: the rays err sideways by half a pixel.
 constexpr double kSidewaysError = 0.5;
+// Weight of rays on a face that is but one ray wide, as the side of a sheet is: in the blur of an edge
+// they do not err independently.
+constexpr double kNarrowWeight = 0.3;
+constexpr float kSameFace =
+    0.75F;  // squared cosine between normals of neighboring rays: 30 degrees
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
@@ -55,6 +60,21 @@ double variance_facing(const ExaminedRays& rays) noexcept {
   const auto own = static_cast<double>(rays.options.error),
              shared = static_cast<double>(rays.options.correlated_noise.height);
   return own * own + side * side * shared * shared;
+}
+
+/// Whether a ray meets a face that is at least two rays wide and high.
+bool is_on_wide_face(const ExaminedRays& rays, int i, int j) noexcept {
+  const Eigen::Vector3f normal = rays.hits.normals[rays.crop.at(i, j)];
+  const auto goes_on_at = [&](int x, int y) {
+    if (x < 0 || y < 0 || x >= rays.crop.width || y >= rays.crop.height) return false;
+    const std::size_t at = rays.crop.at(x, y);
+    if (!std::isfinite(rays.hits.depths[at])) return false;
+    const Eigen::Vector3f other = rays.hits.normals[at];
+    const float product = normal.dot(other);
+    return product * product > kSameFace * normal.squaredNorm() * other.squaredNorm();
+  };
+  return (goes_on_at(i - 1, j) || goes_on_at(i + 1, j)) &&
+         (goes_on_at(i, j - 1) || goes_on_at(i, j + 1));
 }
 
 /// Append the residuals of the measurements that agree with the model by the largest tolerance.
@@ -138,6 +158,7 @@ void compare(const ExaminedRays& rays, float largest_tolerance, std::uint32_t fi
         const double sideways = kSidewaysError * static_cast<double>(z / rays.geometry.fx);
         const auto facing = static_cast<double>(hit.facing);
         weight = 1 / (variance + sideways * sideways * (1 - facing * facing));
+        if (!is_on_wide_face(rays, i, j)) weight *= kNarrowWeight;
         J = rays.constraint(hit.place, hit.normal);
         within.information.noalias() += robust * weight * J * J.transpose();
         within.gradient -= robust * weight * static_cast<double>(r) * J;

@@ -185,5 +185,21 @@ TEST(PoseEquations, TrustObliqueSurfacesToHalfAPixel) {
   EXPECT_LT(held_along_normal(0.6F), 0.1 * held_along_normal(0)) << "of nearly as many pixels";
 }
 
+// The side of a sheet is as wide as the blur of its edge, all along which sensors err alike.
+TEST(PoseEquations, TrustSidesOneRayWideLess) {
+  const auto held_by_side = [](float half_thickness) {
+    const Body plate({0.1F, 0.06F, half_thickness});
+    const Pose pose = test::pose_of({0.6F, 0, 0}, kFacing.translation());
+    RangeImage image = render({{&plate, pose}});
+    for (float& depth : image.depth) depth = depth == kFar ? 0 : depth;  // no edges
+    const Eigen::Vector3d across_side = pose.linear().col(1).cast<double>();
+    return across_side.dot(equations_of(image, plate, pose).information.bottomRightCorner<3, 3>() *
+                           across_side);
+  };
+  const double wide = held_by_side(0.04F);       // 11 pixels
+  EXPECT_LT(held_by_side(0.0075F), 0.1 * wide);  // 2 pixels, a ray
+  EXPECT_GT(held_by_side(0.02F), 0.4 * wide);    // 6 pixels
+}
+
 }  // namespace
 }  // namespace trivet::kernels
