@@ -11,6 +11,7 @@
 #include "engine/scene/measure_sensor.hpp"
 #include "engine/scene/sensor_image.hpp"
 #include "kernels/common/median.hpp"
+#include "kernels/scans/depth_step.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/scans/ground_planes.hpp"
 #include "kernels/scans/merge_pixels.hpp"
@@ -149,9 +150,10 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
     return too_few_points(input, " in different directions", scene.points.size());
   const kernels::ImageGeometry& geometry = view->geometry;
 
-  Column<float> footprints;
+  Column<float> footprints, depths;
   for (std::size_t i = 0; i < scene.points.size(); i += 1 + scene.points.size() / 20000) {
-    footprints.push_back((geometry.T_camera_scene * scene.points[i]).z() / geometry.fx);
+    depths.push_back((geometry.T_camera_scene * scene.points[i]).z());
+    footprints.push_back(depths.back() / geometry.fx);
   }
   scene.spacing = kernels::median(std::span(footprints));
   if (!(scene.spacing > 0)) return no_visible_points();  // most points lie behind the sensor
@@ -172,7 +174,9 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
   estimate(kNoiseWindow);
   check_stop();
   Column<float> scratch;
-  scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
+  // Within a step, surfaces have no residuals, and no noise tells how far off depth is.
+  scene.sensor.noise = std::max(kernels::estimate_scan_noise(residuals, scratch),
+                                kernels::rounding_error(kernels::depth_step(depths)));
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
   const auto window =
       clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);

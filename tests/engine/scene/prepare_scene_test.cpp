@@ -200,6 +200,19 @@ TEST(PrepareScene, MeasuresTheSensorUnlessThatIsLeftOut) {
   EXPECT_EQ(left_out.sensor.error_at(2 * scene.sensor.range), scene.sensor.noise);
 }
 
+// On each step a surface is flat, and shows no noise.
+TEST(PrepareScene, ErrsByTheStepsInWhichDepthIsMeasured) {
+  constexpr float kDepthStep = 0.005F;
+  Cloud cloud = two_parts();
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const Eigen::Vector3f p = cloud.points[i];
+    if (p.z() > 0) cloud.points.set(i, p * (std::round(p.z() / kDepthStep) * kDepthStep / p.z()));
+  }
+  const engine::PreparedScene scene = prepare(cloud, {});
+  EXPECT_NEAR(scene.sensor.noise, kDepthStep / std::sqrt(12.0F), 0.1F * kDepthStep);
+  EXPECT_GT(scene.window, 3) << "normals of single steps face the sensor";
+}
+
 TEST(PrepareScene, WidensTheWindowsOfNormalsWithTheNoise) {
   EXPECT_LT(prepare(two_parts(), {}).window, 2.5F);
   const float window = prepare(noisy_parts(), {}).window;
@@ -237,6 +250,17 @@ TEST(PrepareScene, GivesTheSameByTheWindowThatTheNoiseAsksFor) {
       prepare(noisy_parts(), {}, {.normal_window = by_noise.window});
   EXPECT_TRUE(test::same_bits(fixed.normals, by_noise.normals));
   EXPECT_EQ(fixed.sensor.noise, by_noise.sensor.noise) << "is measured in a window of its own";
+}
+
+TEST(ChooseVoters, AppendsEdgesThatAreNoReferences) {
+  const engine::PreparedScene scene = prepare(two_parts(), {});
+  const engine::SceneSample sample = engine::sample_scene(scene, kStep, kDiameter);
+  const engine::SceneLevel level = choose_voters(scene, {});
+  EXPECT_GT(sample.edges.size(), 10U);
+  ASSERT_EQ(level.points.size(), sample.points.size() + sample.edges.size());
+  EXPECT_LT(level.references.back(), sample.points.size());
+  EXPECT_EQ(level.points[sample.points.size()], sample.edges[0]);
+  EXPECT_EQ(level.normals[sample.points.size()], sample.edge_directions[0]);
 }
 
 TEST(ChooseVoters, LeavesOutWhatTheMarkedPixelsMeasured) {
