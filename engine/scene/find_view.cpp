@@ -1,5 +1,7 @@
 #include "engine/scene/find_view.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
@@ -110,8 +112,20 @@ bool is_at(const kernels::PosedCamera& camera, const Vector3d& viewpoint, Points
   return (camera.center - viewpoint).norm() < kMostApart * distance;
 }
 
+/// An image is seen from its camera, at the origin of its frame.
+Result<void> check_viewpoint(const Cloud& cloud, const SceneInput& input) {
+  if (!cloud.camera || !cloud.grid || !input.viewpoint || input.viewpoint->isZero()) return {};
+  const Vector3d& v = *input.viewpoint;
+  return Error{
+      ErrorCode::usage,
+      fmt::format("{}: expected no viewpoint, or 0, 0, 0: an image is seen from its camera; "
+                  "found ({:.6g}, {:.6g}, {:.6g}); leave it out",
+                  input.file.string(), v.x(), v.y(), v.z())};
+}
+
 Result<SceneView> find_view(const Cloud& cloud, const SceneInput& input,
                             const std::optional<kernels::PosedCamera>& camera) {
+  TRIVET_TRY(check_viewpoint(cloud, input));
   const ViewSource source = source_of(cloud, input);
   const bool is_open =
       source == ViewSource::assumed || (source == ViewSource::file && cloud.viewpoint->isZero());

@@ -118,6 +118,20 @@ TEST(FindView, BelievesTheCallerThenTheFile) {
               ViewSource::given, Vector3d(1, 2, 3));
 }
 
+TEST(FindView, RefusesAnotherViewpointOfAnImageThanItsCamera) {
+  const test::Shape bracket = test::bracket();
+  const Cloud image =
+      test::render_scan({{&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {0, 0, 0.9F})}});
+  ASSERT_TRUE(image.camera && image.grid);
+  const auto found = engine::find_view(image, {.file = "a.png", .viewpoint = Vector3d(0, 0, 0.5)});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().code, ErrorCode::usage);
+  EXPECT_EQ(found.error().message,
+            "a.png: expected no viewpoint, or 0, 0, 0: an image is seen from its camera; found "
+            "(0, 0, 0.5); leave it out");
+  EXPECT_TRUE(engine::find_view(image, {.viewpoint = Vector3d(0, 0, 0)}));
+}
+
 // pcl::transformPointCloud and most writers leave the file's viewpoint at the origin.
 TEST(FindView, FindsWhereAnOrganizedScanThatWasMovedIsSeenFrom) {
   const test::Shape bracket = test::bracket();
