@@ -32,6 +32,10 @@ Result<RecognizeOptions> recognize_options(const RecognizeArguments& arguments) 
     Result<std::vector<ExpectedPose>> expected = read_expected_poses(arguments.expected);
     if (!expected) return expected.error();
     options.expected = std::move(*expected);
+  } else if (options.pose.rounds == 0) {
+    return Error{ErrorCode::usage,
+                 "--rounds 0 tests expected poses only, and none are given: give --expected FILE, "
+                 "or 1 round or more"};
   }
   return options;
 }

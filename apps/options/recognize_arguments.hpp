@@ -18,7 +18,7 @@ struct RecognizeArguments {
 void add_recognize_options(CLI::App& command, RecognizeArguments& arguments);
 
 /// The preset, overridden by the options given on the command line.
-/// Errors: of reading expected poses.
+/// Errors: usage (nothing to search and no expected pose to test), or of reading expected poses.
 Result<RecognizeOptions> recognize_options(const RecognizeArguments& arguments);
 
 }  // namespace trivet::apps

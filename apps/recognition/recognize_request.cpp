@@ -62,6 +62,8 @@ void add_scene_command(CLI::App& command, SceneCommand& arguments) {
 }
 
 Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Console& console) {
+  Result<RecognizeOptions> options = recognize_options(arguments.recognize);
+  if (!options) return options.error();
   Result<Recognizer> opened = open_recognizer(arguments.library, arguments.opening);
   if (!opened) return opened.error();
   const Library& library = opened->library();
@@ -70,8 +72,6 @@ Result<RecognitionRequest> make_request(const SceneCommand& arguments, const Con
   Result<SceneInputs> scenes = collect_scenes(scene_arguments, library.header.unit);
   if (!scenes) return scenes.error();
   for (const std::string& words : left_out_words(scenes->left_out)) console.warning(words);
-  Result<RecognizeOptions> options = recognize_options(arguments.recognize);
-  if (!options) return options.error();
   const OutputArguments& outputs = arguments.outputs;
   if (outputs.json.empty()) options->max_rejected = 1;  // text shows the best one of an empty scene
   if (!outputs.report.empty()) options->max_rejected = kRejectedPerModel;

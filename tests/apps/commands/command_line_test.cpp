@@ -88,6 +88,7 @@ TEST_F(CommandLine, GivesTwoForWrongUsage) {
   EXPECT_TRUE(fails({"train", "a.ply", "b/a.ply", "-o", "l.h5"}, 2, "'a'"));
   EXPECT_TRUE(fails({"recognize", "l.h5"}, 2, "SCENE"));
   EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--preset", "best"}, 2, "best"));
+  EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--rounds", "0"}, 2, "--expected"));
   EXPECT_TRUE(fails({"recognize", "l.h5", "s.ply", "--ablate", "ball,luck"}, 2, "luck"));
   EXPECT_TRUE(fails({"evaluate", "l.h5", "s.json", "--ablate", "luck"}, 2, "second-round"))
       << "names what there is";
