@@ -244,6 +244,15 @@ std::span<const Option<RecognizeOptions>> options_of<RecognizeOptions>() {
            .help = "Of searching, later ones on what is not yet explained; 0 to test expected "
                    "poses only",
            .range = {0, 4}}),
+      declare<TRIVET_FIELD(verify.model_deviation)>(
+          {.name = "model-deviation",
+           .group = kSearch,
+           .label = "deviation of the parts from their models",
+           .unit = "scene unit",
+           .help =
+               "Parts differ from their models by so much, root mean square, as cast, printed "
+               "and scanned ones do: what agrees may lie farther off, and poses are less certain",
+           .range = {0, kAny}}),
       declare<TRIVET_FIELD(normal_window)>(
           {.name = "normal-window",
            .group = kSearch,

@@ -94,6 +94,8 @@ struct PoseOptions {
 struct VerifyStageOptions {
   float tolerance_sigmas = 3;          ///< tolerance in standard deviations of the scene's noise
   float tolerance_diameters = 0.016F;  ///< minimum tolerance as a share of the diameter
+  /// What the parts are off their models, root mean square [scene file's unit].
+  float model_deviation = 0;
   float max_overlap = 0.4F;  ///< maximum share of a detection's pixels that better ones explain
   bool operator==(const VerifyStageOptions&) const = default;
 };

@@ -62,8 +62,9 @@ class PoseTester {
   /// Options to verify a voted pose: with the tolerance of an unrefined one.
   kernels::VerifyOptions loose(const Pose& pose) const;
 
-  /// The sensor's error across a surface at this pose's range [library unit].
-  float error_at(const Pose& pose) const { return scene_.sensor.error_at(range_of(pose)); }
+  /// What is measured across a surface may be off the model at this pose [library unit]: by the
+  /// sensor's error at its range, and by the part's deviation from the model.
+  float error_at(const Pose& pose) const;
   /// This error and the part shared by neighboring pixels, for comparing poses.
   kernels::MeasurementErrors errors_of(const Pose& pose) const;
   /// Possible displacement of this pose's outline in the scan [pixel].
@@ -120,6 +121,7 @@ class PoseTester {
   const PoseTestOptions& options_;
   kernels::ModelSamples samples_;
   float distance_step_;
+  float deviation_;  // of the part from the model, root mean square [library unit]
   std::vector<std::uint8_t> background_;
   kernels::PlaneSet faces_;  // background planes that have something behind them somewhere
 };

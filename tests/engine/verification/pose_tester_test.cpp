@@ -46,8 +46,7 @@ class PoseTesterOnATable : public testing::Test {
   }
   /// Tests the only model of a library at a pose.
   static TestedPose examine(const Recognizer& recognizer, const PreparedScene& scene,
-                            const Pose& pose) {
-    const PoseTestOptions options;
+                            const Pose& pose, const PoseTestOptions& options = {}) {
     const PoseTester tester(*tested_model(recognizer.library(), 0), scene, options);
     kernels::ExamineScratch scratch;
     return tester.examine(**recognizer.surface(0), recognizer.score(), pose, scratch);
@@ -73,6 +72,29 @@ TEST_F(PoseTesterOnATable, RefusesTheMirroredPartThatWouldReachIntoTheTable) {
   EXPECT_GT(other.test.examination.consistent, 0.7F * other.test.examination.covered);
   EXPECT_NEAR(other.test.depth_in_ground, 0.015F, 0.001F);
   EXPECT_EQ(other.score, 0);
+}
+
+// A pose in the middle of what deviates is as far off as that, however exactly all is measured.
+TEST_F(PoseTesterOnATable, IsLessCertainOfPartsThatDeviateFromTheirModels) {
+  const test::Shape model = hand(1);
+  test::Shape part = model;
+  for (std::size_t i = 0; i < part.vertices.size(); ++i) {
+    const Eigen::Vector3f p = part.vertices[i];
+    part.vertices.set(i,
+                      {1.02F * p.x(), p.y(), 1.03F * p.z()});  // 1 mm at its ends, as castings are
+  }
+  const PreparedScene scene = scan_of({{&slab_, table_}, {&part, table_}});
+  const Recognizer recognizer = recognizer_of(model);
+  PoseTestOptions options;
+  const TestedPose exact = examine(recognizer, scene, table_, options);
+  options.verify.model_deviation = 0.001F;
+  const TestedPose deviating = examine(recognizer, scene, table_, options);
+  EXPECT_GT(deviating.score, 0.9F);
+  const auto sigma_of_shift = [](const TestedPose& pose) {
+    return std::sqrt(pose.test.covariance.topLeftCorner<3, 3>().trace());
+  };
+  EXPECT_LT(sigma_of_shift(exact), 0.0005F);
+  EXPECT_GT(sigma_of_shift(deviating), 0.0006F);
 }
 
 TEST_F(PoseTesterOnATable, FindsAScrewInAFaceThatFillsTheView) {
