@@ -100,9 +100,12 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
 void find_edges(PreparedScene& scene) {
   const kernels::RangeImage& image = scene.images.front();
   const std::size_t height = image.geometry.height;
+  float nearest = std::numeric_limits<float>::infinity();
+  for (const float d : image.depth) nearest = d > 0 ? std::min(nearest, d) : nearest;
   const kernels::OccludingEdgeOptions options{
-      scene.sensor, clamped_integer(std::round(scene.window), 1,
-                                    static_cast<int>(kernels::GridNormalOptions::kMaxWindow))};
+      scene.sensor, nearest,
+      clamped_integer(std::round(scene.window), 1,
+                      static_cast<int>(kernels::GridNormalOptions::kMaxWindow))};
   struct Edges {
     Points points;
     Normals directions;

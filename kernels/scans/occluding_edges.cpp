@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -31,11 +30,10 @@ struct Face {
 
 class EdgeFinder {
  public:
-  /// nearest  the smallest depth that matters, > 0
-  EdgeFinder(const RangeImage& image, const OccludingEdgeOptions& options, float nearest)
+  EdgeFinder(const RangeImage& image, const OccludingEdgeOptions& options)
       : image_(image),
         options_(options),
-        least_step_(kEdgeDeviations * options.sensor.error_at(nearest)) {}
+        least_step_(kEdgeDeviations * options.sensor.error_at(options.nearest)) {}
 
   /// The face whose last pixel in a direction this is.
   std::optional<Face> face_ending_at(int u, int v, int du, int dv) const noexcept {
@@ -120,7 +118,7 @@ class EdgeFinder {
 
   const RangeImage& image_;
   const OccludingEdgeOptions& options_;
-  float least_step_;
+  float least_step_;  // nowhere are smaller steps more than errors
 };
 
 }  // namespace
@@ -128,13 +126,7 @@ class EdgeFinder {
 void find_occluding_edges(const RangeImage& image, const OccludingEdgeOptions& options,
                           std::size_t first_row, std::size_t num_rows, Points& points,
                           Normals& directions) {
-  float nearest = std::numeric_limits<float>::infinity();
-  for (std::size_t pixel = first_row * image.geometry.width;
-       pixel < (first_row + num_rows) * image.geometry.width; ++pixel) {
-    if (image.depth[pixel] > 0) nearest = std::min(nearest, image.depth[pixel]);
-  }
-  if (!std::isfinite(nearest)) return;
-  const EdgeFinder finder(image, options, nearest);
+  const EdgeFinder finder(image, options);
   for (std::size_t row = first_row; row < first_row + num_rows; ++row) {
     const int v = static_cast<int>(row);
     for (int u = 0; u < static_cast<int>(image.geometry.width); ++u) {

@@ -11,6 +11,7 @@ namespace trivet::kernels {
 
 struct OccludingEdgeOptions {
   const SensorModel& sensor;
+  float nearest;   ///< smallest depth of the image, > 0 [scene unit]
   int window = 2;  ///< half-width of the windows for fitting normals [pixel], >= 1
 };
 

@@ -54,8 +54,8 @@ FoundEdges find(const RangeImage& image, std::size_t rows_at_a_time = 1000) {
   FoundEdges edges;
   const std::size_t height = image.geometry.height;
   for (std::size_t v = 0; v < height; v += rows_at_a_time)
-    find_occluding_edges(image, {sensor}, v, std::min(rows_at_a_time, height - v), edges.points,
-                         edges.directions);
+    find_occluding_edges(image, {sensor, 0.4F}, v, std::min(rows_at_a_time, height - v),
+                         edges.points, edges.directions);
   return edges;
 }
 
