@@ -26,6 +26,7 @@
 namespace trivet::engine {
 namespace {
 
+constexpr float kDithers = 0.7F;  // of the error of a step: more noise varies what step is measured
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 /// recovered  geometry that the grid or the rays of the points determine
@@ -177,9 +178,11 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
   estimate(kNoiseWindow);
   check_stop();
   Column<float> scratch;
-  // Within a step, surfaces have no residuals, and no noise tells how far off depth is.
-  scene.sensor.noise = std::max(kernels::estimate_scan_noise(residuals, scratch),
-                                kernels::rounding_error(kernels::depth_step(depths)));
+  scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
+  // Noise that is not far below a step of depth shows the step's error, too. Else surfaces have no
+  // residuals within a step, and do not tell how far off depth is.
+  const float rounding = kernels::rounding_error(kernels::depth_step(depths));
+  if (scene.sensor.noise < kDithers * rounding) scene.sensor.noise = rounding;
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
   const auto window =
       clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
