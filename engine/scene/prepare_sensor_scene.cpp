@@ -11,7 +11,7 @@
 #include "engine/scene/measure_sensor.hpp"
 #include "engine/scene/sensor_image.hpp"
 #include "kernels/common/median.hpp"
-#include "kernels/scans/depth_step.hpp"
+#include "kernels/scans/depth_quantization.hpp"
 #include "kernels/scans/estimate_normals_grid.hpp"
 #include "kernels/scans/ground_planes.hpp"
 #include "kernels/scans/merge_pixels.hpp"
@@ -28,6 +28,11 @@ namespace {
 
 constexpr float kDithers = 0.7F;  // of the error of a step: more noise varies what step is measured
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Half-width of the windows that normals are fitted to [pixel].
+std::uint32_t window_of(const PreparedScene& scene) {
+  return clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
+}
 
 /// recovered  geometry that the grid or the rays of the points determine
 /// points     points of the cloud; scattered ones are merged by pixel
@@ -81,9 +86,7 @@ void find_dominant_planes(kernels::RangeImage& image, const PrepareOptions& opti
       kernels::find_planes(samples.points, samples.normals, samples.areas, plane_options);
   label_pixels(scene.planes, image);
   scene.patches = kernels::largest_patches(image, scene.planes);
-  constexpr std::size_t kMaxWindow = kernels::GridNormalOptions::kMaxWindow;
-  const std::size_t window =
-      2 * clamped_integer(std::round(scene.window), std::size_t{1}, kMaxWindow) + 1;
+  const std::size_t window = 2 * std::size_t{window_of(scene)} + 1;
   // Sensors that match windows measure wrong depths in patches as large as a window.
   scene.ground = kernels::find_ground(image, scene.planes, window * window + 1);
   if (options.correlated_noise)
@@ -103,10 +106,8 @@ void find_edges(PreparedScene& scene) {
   const std::size_t height = image.geometry.height;
   float nearest = std::numeric_limits<float>::infinity();
   for (const float d : image.depth) nearest = d > 0 ? std::min(nearest, d) : nearest;
-  const kernels::OccludingEdgeOptions options{
-      scene.sensor, nearest,
-      clamped_integer(std::round(scene.window), 1,
-                      static_cast<int>(kernels::GridNormalOptions::kMaxWindow))};
+  const kernels::OccludingEdgeOptions options{scene.sensor, nearest,
+                                              static_cast<int>(window_of(scene))};
   struct Edges {
     Points points;
     Normals directions;
@@ -181,11 +182,10 @@ Result<void> prepare_sensor_scene(const Cloud& cloud,
   scene.sensor.noise = kernels::estimate_scan_noise(residuals, scratch);
   // Noise that is not far below a step of depth shows the step's error, too. Else surfaces have no
   // residuals within a step, and do not tell how far off depth is.
-  const float rounding = kernels::rounding_error(kernels::depth_step(depths));
-  if (scene.sensor.noise < kDithers * rounding) scene.sensor.noise = rounding;
+  const float step_error = kernels::quantization_error(kernels::quantization_step(depths));
+  if (scene.sensor.noise < kDithers * step_error) scene.sensor.noise = step_error;
   scene.window = options.normal_window.value_or(choose_window(scene.sensor.noise, scene.spacing));
-  const auto window =
-      clamped_integer(std::round(scene.window), 1U, kernels::GridNormalOptions::kMaxWindow);
+  const std::uint32_t window = window_of(scene);
   if (window != kNoiseWindow) estimate(window);
 
   scene.images.push_back(make_image(*view, {scene.points, scene.normals}));

@@ -44,7 +44,7 @@ constexpr float kMuchCloser = 0.25F;
 // not chosen on, 92 % lie in the region that should hold 90 %, alike by both sensors.
 constexpr float kSharedError = 0.15F;
 // Parts deviate from models smoothly, over as much as their size. A pose follows a share of that, and
-// another is left across surfaces. Of 161 made parts that deviate by 0.5 % of their diameters 9 of 10
+// another is left across surfaces. Of 172 made parts that deviate by 0.5 % of their diameters 9 of 10
 // lie in the region that should hold 90 %.
 constexpr float kFollowedDeviation = 0.6F, kLeftDeviation = 0.6F;
 // What a filter moves a surface by may be wrong by as much: its length is estimated, its form assumed.

@@ -38,8 +38,7 @@ constexpr double kSidewaysError = 0.5;
 // Weight of rays on a face that is but one ray wide, as the side of a sheet is: in the blur of an edge
 // they do not err independently.
 constexpr double kNarrowWeight = 0.3;
-constexpr float kSameFace =
-    0.75F;  // squared cosine between normals of neighboring rays: 30 degrees
+constexpr float kSameFace = 0.75F;  // squared cosine of 30 degrees, between neighbors' normals
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {

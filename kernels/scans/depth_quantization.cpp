@@ -1,4 +1,4 @@
-#include "kernels/scans/depth_step.hpp"
+#include "kernels/scans/depth_quantization.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -16,7 +16,7 @@ constexpr std::size_t kMeasurementsOfADepth = 2;  // at least, on average
 
 }  // namespace
 
-float depth_step(std::span<float> depths) {
+float quantization_step(std::span<float> depths) {
   const float middle = median(depths);
   const auto end = std::partition(depths.begin(), depths.end(), [&](float d) {
     return std::abs(d - middle) < kNearMedian * middle;

@@ -13,9 +13,9 @@ namespace trivet::kernels {
 /// depths  > 0, in any order; reordered
 /// A depth image in whole millimeters has steps of 1 mm; those of sensors that match images in
 /// fractions of a pixel grow with the square of range. Cost: O(n log n).
-float depth_step(std::span<float> depths);
+float quantization_step(std::span<float> depths);
 
 /// The standard deviation of an error that is uniform within a step, in its unit.
-inline float rounding_error(float step) noexcept { return step / std::sqrt(12.0F); }
+inline float quantization_error(float step) noexcept { return step / std::sqrt(12.0F); }
 
 }  // namespace trivet::kernels
