@@ -7,6 +7,7 @@
 #include "engine/common/parallel.hpp"
 #include "engine/poses/placement.hpp"
 #include "engine/selection/odds.hpp"
+#include "engine/selection/pixel_marks.hpp"
 #include "engine/selection/settle_alternatives.hpp"
 #include "engine/selection/settle_rivals.hpp"
 
@@ -97,16 +98,22 @@ float asked_score(const SettledPose& settled, const DecideOptions& options) {
          (options.require_identity ? settled.ambiguity.identity() : 1);
 }
 
-std::optional<Rejection> refusal_of(const TestedPoses& poses, Row row, const SettledPose& settled,
-                                    float asked, float least, std::span<const Decided> decided) {
-  const std::uint32_t model = poses.table.model[row];
+/// The reason why a settled pose is no detection, if there is one.
+///
+/// cover  of its pixels by the standing detections, by their rows
+std::optional<Refusal> refusal_of(const TestedPoses& poses, const Decided& one, float asked,
+                                  float least, std::span<const Decided> decided, const Cover& cover,
+                                  float max_overlap) {
+  const std::uint32_t model = poses.table.model[one.row];
   const bool repeats = std::ranges::any_of(decided, [&](const Decided& other) {
     return other.is_detection && poses.table.model[other.row] == model &&
            same_placement(poses.library.models[model], other.settled.pose.T_scene_model,
-                          settled.pose.T_scene_model);
+                          one.settled.pose.T_scene_model);
   });
-  if (repeats) return Rejection::explained;
-  if (asked < least) return Rejection::too_low;
+  if (repeats) return Refusal{one.row, Rejection::explained};
+  if (asked < least) return Refusal{one.row, Rejection::too_low};
+  if (cover.share > max_overlap)
+    return Refusal{one.row, Rejection::explained, cover.most_by, cover.most_share};
   return std::nullopt;
 }
 
@@ -142,17 +149,25 @@ Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const P
   // Detections kept in addition to the reported ones come from the first choice alone.
   float least = options.select.doubtful_score.value_or(options.select.min_score);
   const Settler settler(recognizer, poses, options, others ? &*others : nullptr);
+  // Poses that were chosen side by side may be settled in one place, which the first one takes.
+  PixelMarks places(scene.images, table.size());
   while (!selection.chosen.empty()) {
     Result<std::vector<Decided>> settled = settle(settler, selection);
     if (!settled) return settled.error();
     for (Decided& one : *settled) {
       const float asked = asked_score(one.settled, options);
-      const auto refusal = refusal_of(poses, one.row, one.settled, asked, least, decided);
+      const kernels::ExplainedPixels& pixels = one.settled.pose.test.explained;
+      const auto refusal = refusal_of(poses, one, asked, least, decided,
+                                      options.select.by_pixels ? places.cover_of(pixels) : Cover{},
+                                      options.select.max_overlap);
       one.is_detection = !refusal;
       if (refusal) {
-        selection.refused.push_back({one.row, *refusal});
+        selection.refused.push_back(*refusal);
       } else {
-        if (asked >= options.select.min_score) standing.push_back(one.row);
+        if (asked >= options.select.min_score) {
+          standing.push_back(one.row);
+          if (options.select.by_pixels) places.mark(one.row, pixels);
+        }
         detections.push_back(one.row);
       }
       decided.push_back(std::move(one));
