@@ -11,6 +11,20 @@ namespace {
 
 constexpr std::size_t kPosesOfRival = 4;
 
+double measured(const kernels::PoseComparison& comparison) noexcept {
+  return comparison.log_ratio - comparison.of_missing;
+}
+
+/// Log odds of a first model rather than a second one, each in that of two poses in which it is
+/// likelier, from the log odds of each of its poses with each of the other's: `ab` is of the first
+/// in pose a with the second in pose b. If they are differences of likelihoods, the order in which
+/// the best poses are chosen does not matter; otherwise it is the mean of both orders.
+double odds_of_best(double aa, double ab, double ba, double bb) noexcept {
+  const double first_last = std::max(std::min(aa, ab), std::min(ba, bb));
+  const double second_last = std::min(std::max(aa, ba), std::max(ab, bb));
+  return 0.5 * (first_last + second_last);
+}
+
 }  // namespace
 
 void add_rival(const TestedPoses& poses, Row row, std::vector<Row>& rivals) {
@@ -52,11 +66,15 @@ Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const Prepa
   }
   out.coincide = true;
   out.T_second_first = common.T_this_other;
-  const kernels::PoseComparison at_second = compare(here * common.T_this_other, here, tester, here),
-                                at_first = compare(there, there * common.T_this_other.inverse(),
-                                                   first_tester, there);
-  out.log_odds = 0.5 * (at_first.log_ratio + at_second.log_ratio);
-  out.num_measured = at_second.num_measured;
+  const Pose first_here = here * common.T_this_other,
+             second_there = there * common.T_this_other.inverse();
+  const kernels::PoseComparison both_here = compare(first_here, here, tester, here),
+                                both_there = compare(there, second_there, first_tester, there),
+                                apart = compare(there, here, tester, here),
+                                crossed = compare(first_here, second_there, tester, here);
+  out.log_odds =
+      odds_of_best(measured(both_here), measured(crossed), measured(apart), measured(both_there));
+  out.num_measured = both_here.num_measured;
   return out;
 }
 

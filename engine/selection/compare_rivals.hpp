@@ -46,11 +46,13 @@ struct RivalComparison {
 /// Compare two models by the pixels where they differ (kernels::compare_poses).
 ///
 /// If most of their surfaces coincide, differences of their poses, which come from noise, would
-/// hide those of their shapes. So both are compared in one place: the first one where the second
-/// lies, and the second where the first lies, so that what they have in common is at the same place.
-/// The log odds are the mean of both log likelihood ratios. In 332 places of rendered scans of parts
-/// that differ by a hole, a notch or a chamfer, 4 decisions were wrong, compared with 44 by their
-/// own poses, and the best factor on the ratio was 0.9 (docs/verification.md, "Other answers").
+/// hide those of their shapes. So both are compared in the same two places, the second one's and the
+/// first one's: one is laid on the other by what they have in common. Each counts in the place where
+/// it is likelier, as a model 2 mm longer is found 1 mm aside. What is not measured is no evidence:
+/// surfaces that differ in a few pixels differ beside an edge, where there are shadows.
+/// In 358 places of scans of eight variants of a block by three sensors, 173 of 176 models with an
+/// identity above 0.9 were right, compared with 176 of 187 with missing measurements, and 166 of 183
+/// by the mean of both places (docs/verification.md, "Other answers").
 /// Other models are compared in their own poses (rival_log_odds).
 ///
 /// Errors: internal (no memory for a model's ray-tracing tree), damaged.

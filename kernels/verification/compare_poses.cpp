@@ -44,6 +44,10 @@ class Comparer {
         sigma_(static_cast<double>(sigma)),
         blended_(kBlended * static_cast<double>(correlation)) {}
 
+  bool is_missing(int u, int v) const noexcept {
+    return measure_along(image_, {u, v, 1, 1}, 0).pixel < 0;
+  }
+
   /// Whether the renderings of the poses differ here.
   bool differ(const Rendered& a, const Rendered& b, int u, int v) const noexcept {
     if ((a.meets && a.scale == 0) || (b.meets && b.scale == 0)) return false;
@@ -113,10 +117,6 @@ class Comparer {
     return std::min(kSlots - 1, static_cast<std::size_t>(pose.facing * static_cast<float>(kSlots)));
   }
 
-  bool is_missing(int u, int v) const noexcept {
-    return measure_along(image_, {u, v, 1, 1}, 0).pixel < 0;
-  }
-
   const RangeImage& image_;
   const VerifyOptions& options_;
   double sigma_, blended_;
@@ -177,8 +177,10 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
       if (!comparer.differ(a, b, u, v)) return;
       out.num_votes += share;
       out.num_measured += comparer.is_measured(a, b, u, v) ? 1 : 0;
-      scratch.votes[block] +=
+      const double vote =
           share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
+      scratch.votes[block] += vote;
+      out.of_missing += comparer.is_missing(u, v) ? vote : 0;
     });
     for (const double vote : scratch.votes) {
       out.log_ratio += vote;

@@ -20,8 +20,9 @@ struct PoseComparison {
   /// near-symmetric poses on rendered scans were wrong (docs/verification.md, "Alternative poses").
   static constexpr double kSignificant = 2.5;
 
-  double log_ratio = 0;  ///< log likelihood ratio of the votes; above 0: the first pose is better
-  double num_votes = 0;  ///< blocks of pixels in which the poses differ
+  double log_ratio = 0;   ///< log likelihood ratio of the votes; above 0: the first pose is better
+  double of_missing = 0;  ///< part of log_ratio that pixels without measurement contribute
+  double num_votes = 0;   ///< blocks of pixels in which the poses differ
   double z = 0;  ///< log_ratio in standard deviations; roughly at most sqrt(num_votes) in magnitude
   /// Rays in which the poses differ and something is measured, at or behind the nearer of them.
   std::size_t num_measured = 0;

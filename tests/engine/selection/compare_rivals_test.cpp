@@ -11,11 +11,12 @@
 namespace trivet::engine {
 namespace {
 
-/// Two steps, one with a post on its back or on its front, and a bracket.
+/// Four steps: one with a post on its back, one with it on its front, and one longer by 3 %; and a
+/// bracket.
 class CompareRivals : public testing::Test {
  protected:
-  static test::Shape step() {
-    return test::box({-0.1F, -0.06F, -0.03F}, {0.1F, 0.06F, 0.03F})
+  static test::Shape step(float end = 0.1F) {
+    return test::box({-0.1F, -0.06F, -0.03F}, {end, 0.06F, 0.03F})
         .join(test::box({-0.1F, -0.06F, -0.06F}, {-0.03F, 0.06F, -0.03F}));
   }
   static test::Shape step_with_post(float side) {
@@ -26,20 +27,28 @@ class CompareRivals : public testing::Test {
   static Pose pose() { return test::pose_of({0.25F, 0.2F, 0}, {0, 0, 0.7F}); }
   static void SetUpTestSuite() {
     static const test::Shape back = step_with_post(1), bracket = test::bracket(),
-                             front = step_with_post(-1), plain = step();
+                             front = step_with_post(-1), longer = step(0.1F + kLonger),
+                             plain = step();
     static const test::Shape wall = test::box({-1, -1, 1.4F}, {1, 1, 1.5F});
-    recognizer_ = Recognizer(test::trained_library(
-        {{"back", &back}, {"bracket", &bracket}, {"front", &front}, {"plain", &plain}},
-        {.tri_spin_images = false}));
-    StageTimes times;
-    auto scene =
-        prepare_scene(test::render_scan({{&wall, Pose::Identity()}, {&plain, pose()}}), {}, times);
-    ASSERT_TRUE(scene) << scene.error().message;
-    scene_ = std::move(*scene);
+    recognizer_ = Recognizer(test::trained_library({{"back", &back},
+                                                    {"bracket", &bracket},
+                                                    {"front", &front},
+                                                    {"longer", &longer},
+                                                    {"plain", &plain}},
+                                                   {.tri_spin_images = false}));
+    scene_ = scan_of({{&wall, Pose::Identity()}, {&plain, pose()}});
+    scene_of_longer_ = scan_of({{&wall, Pose::Identity()}, {&longer, pose()}});
   }
-  static RivalComparison compared(const Rival& first, const Rival& second) {
+  static PreparedScene scan_of(const std::vector<test::Placed>& things) {
+    StageTimes times;
+    auto scene = prepare_scene(test::render_scan(things), {}, times);
+    EXPECT_TRUE(scene) << scene.error().message;
+    return *std::move(scene);
+  }
+  static RivalComparison compared(const Rival& first, const Rival& second,
+                                  const PreparedScene& scene = scene_) {
     kernels::CompareScratch scratch;
-    return *compare_rivals(recognizer_, scene_, {}, first, second, scratch);
+    return *compare_rivals(recognizer_, scene, {}, first, second, scratch);
   }
   /// A pose that is off by a tenth of the tolerance's worth of noise and more.
   static Pose displaced() {
@@ -47,9 +56,10 @@ class CompareRivals : public testing::Test {
                                  pose().translation()) *
            pose();
   }
-  static constexpr std::uint32_t kBack = 0, kBracket = 1, kFront = 2, kPlain = 3;
+  static constexpr std::uint32_t kBack = 0, kBracket = 1, kFront = 2, kLong = 3, kPlain = 4;
+  static constexpr float kLonger = 0.006F;
   static inline Recognizer recognizer_{Library{}};
-  static inline PreparedScene scene_;
+  static inline PreparedScene scene_, scene_of_longer_;
 };
 
 TEST_F(CompareRivals, FindsNothingBetweenModelsThatDifferWhereNothingIsSeen) {
@@ -73,6 +83,17 @@ TEST_F(CompareRivals, IsTheNegativeWithBothExchanged) {
   const Rival front{kFront, displaced(), 0.99F}, plain{kPlain, pose(), 0.9F};
   const double forth = compared(front, plain).log_odds, back = compared(plain, front).log_odds;
   EXPECT_NEAR(forth, -back, 0.15 * std::abs(forth));
+}
+
+// A model that is too short is found in the middle of what is longer, where a longer one would be
+// off by as much at either end.
+TEST_F(CompareRivals, TakesEachModelInThePlaceThatSuitsIt) {
+  const Pose shifted = pose() * test::pose_of({0, 0, 0}, {kLonger, 0, 0});
+  const Rival longer{kLong, pose(), 0.95F}, plain{kPlain, shifted, 0.95F};
+  const RivalComparison comparison = compared(longer, plain, scene_of_longer_);
+  EXPECT_TRUE(comparison.coincide);
+  EXPECT_GT(comparison.log_odds, 10);
+  EXPECT_LT(compared(plain, longer, scene_of_longer_).log_odds, -10);
 }
 
 TEST_F(CompareRivals, ComparesOtherShapesInTheirOwnPoses) {

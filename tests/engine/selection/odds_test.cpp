@@ -8,7 +8,7 @@ namespace trivet::engine {
 namespace {
 
 double of_rivals(float score, float other, double z) {
-  return rival_log_odds(score, other, {0, 0, z});
+  return rival_log_odds(score, other, {.z = z});
 }
 
 TEST(ScaleOdds, ScalesThem) {

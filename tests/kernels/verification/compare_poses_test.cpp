@@ -240,6 +240,9 @@ TEST(ComparePoses, CountsWhatIsMissingWhereTheModelIsElsewhereMeasured) {
   const PoseComparison shadowed = compare(image, kTruth, aside);
   EXPECT_EQ(shadowed.num_votes, whole.num_votes);
   EXPECT_GT(shadowed.z, PoseComparison::kSignificant);
+  EXPECT_EQ(whole.of_missing, 0);
+  EXPECT_GT(shadowed.of_missing, 10);
+  EXPECT_LT(shadowed.of_missing, shadowed.log_ratio) << "the other end is measured";
 }
 
 /// A block that widens away from the camera along y, and by `side` along x.
