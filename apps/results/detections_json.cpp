@@ -204,6 +204,7 @@ Detection parse_detection(const JsonNode& node, const Eigen::Vector3d& offset) {
                       number("violation"),
                       number("contour"),
                       number("rmse"),
+                      number("deviation"),
                       {},
                       {}};
   if (node.has("pose_share")) detection.pose_share = number("pose_share");
@@ -310,6 +311,7 @@ nlohmann::ordered_json scene_json(const std::string& file, const SceneResult& re
          {"violation", detection.violation},
          {"contour", detection.contour},
          {"rmse", detection.rmse},
+         {"deviation", detection.deviation},
          {"parts", parts_json(detection.parts)},
          {"evidence", evidence_json(score, detection.parts)},
          {"alone", kernels::pose_probability(score, detection.parts)},

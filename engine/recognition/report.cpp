@@ -83,6 +83,7 @@ Detection report_detection(const Library& library, const PoseTable& poses, Row r
   detection.violation = measured > 0 ? e.violation / measured : 0;
   detection.contour = outline > 0 ? 1 - e.outline_crossed / outline : 1;
   detection.rmse = std::sqrt(e.mean_square) * e.tolerance / static_cast<float>(scene_scale);
+  detection.deviation = e.deviation / static_cast<float>(scene_scale);
   detection.parts = test.parts;
   detection.covariance = test.covariance;
   detection.covariance.topRows<3>() /= static_cast<float>(scene_scale);

@@ -67,6 +67,9 @@ struct Detection {
   /// Root mean square of the distances between both surfaces where they agree, in the scene file's
   /// unit.
   float rmse = 0;
+  /// Root mean square of what neighboring distances share beyond the scan's correlated noise, in the
+  /// same unit: how far the object, as measured, is off its model.
+  float deviation = 0;
   kernels::ScoreParts parts{};  ///< components of the score
   /// How far off the pose may be, along and about the model's axes, in the scene file's unit. Zero
   /// if the pose was not tested by rays.

@@ -14,6 +14,9 @@
 namespace trivet::kernels {
 namespace {
 
+// If the mean of 1 / n over windows of n residuals is larger, their means are no evidence of what
+// residuals share.
+constexpr double kMostPart = 0.5;
 constexpr double kFewestResiduals = 6;  // residuals of a window needed for a slope
 // The tolerance in standard deviations of residuals, which are measured by a quantile: few of a right
 // pose's lie beyond, beside edges or beneath things on it, and depths of coarse steps have a median
@@ -42,7 +45,8 @@ constexpr float kSameFace = 0.75F;  // squared cosine of 30 degrees, between nei
 
 /// Sums over the consistent pixels and the outlines of all images.
 struct Sums {
-  double count = 0, squares = 0, shifts = 0, smooth = 0, slope = 0, num_slopes = 0, area = 0;
+  double count = 0, squares = 0, shifts = 0, smooth = 0, parts_of_windows = 0, slope = 0,
+         num_slopes = 0, area = 0;
   Matrix6 covariance = Matrix6::Zero();
   Eigen::Vector3d places = Eigen::Vector3d::Zero();  // relative to the model's center
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
@@ -322,6 +326,7 @@ void smooth(const ExaminedRays& rays, Sums& sums) {
           std::min(rays.crop.width - 1, i + half), std::min(rays.crop.height - 1, j + half));
       const double n = w[0], mean = w[1] / n;
       sums.smooth += mean * mean / (tolerance * tolerance);
+      sums.parts_of_windows += 1 / n;
       if (n < kFewestResiduals) continue;
       const SlopeFit fit = fit_slope({n, w[2], w[3], w[4], w[6], w[5], w[1], w[7], w[8]});
       if (!(fit.determinant > 1e-3 * n * n)) continue;
@@ -331,6 +336,15 @@ void smooth(const ExaminedRays& rays, Sums& sums) {
       sums.num_slopes += 1;
     }
   }
+}
+
+/// Variance that the residuals of a window share, in squared tolerances. The squared mean of n
+/// residuals is on average that variance and an n-th of what is independent. Source: Searle, Casella
+/// and McCulloch, Variance Components, 1992 (one-way classification).
+double shared_variance(const Sums& sums) noexcept {
+  const double part = sums.parts_of_windows / sums.count;
+  if (!(part < kMostPart)) return 0;
+  return std::max(0.0, (sums.smooth - part * sums.squares) / sums.count / (1 - part));
 }
 
 /// Effect of rotation about the symmetry axis on J, as a unit vector; zero without an axis.
@@ -415,6 +429,7 @@ Examination examine_pose(std::span<const RangeImage> images, const PosedModel& m
   out.mean_square = static_cast<float>(sums.squares / sums.count);
   out.residual = beyond(sums.squares / sums.count, shared);
   out.smooth = beyond(sums.smooth / sums.count, shared);
+  out.deviation = std::sqrt(beyond(shared_variance(sums), shared)) * out.tolerance;
   const double slope = sums.slope / std::max(1.0, sums.num_slopes);
   out.slope = std::sqrt(beyond(slope * slope, options.correlated_noise.slope_rad));
   out.area = static_cast<float>(sums.area) / (samples.diameter * samples.diameter);

@@ -51,9 +51,12 @@ struct Examination {
   // For the consistent pixels, minus the effect of the scan's correlated noise; 0 without any.
   float residual = 0;  ///< mean_square minus the effect of correlated noise
   float smooth = 0;    ///< mean square of residuals averaged over their window
-  float slope = 0;     ///< mean angle between both surfaces over that window [rad]
-  float area = 0;      ///< visible area of the model's surface [squared diameters]
-  float relief = 0;    ///< standard deviation of that surface from a plane [tolerances]
+  /// What the residuals of a window share beyond the scan's correlated noise, root mean square: how
+  /// far the object, as measured, is off its model [scene unit].
+  float deviation = 0;
+  float slope = 0;   ///< mean angle between both surfaces over that window [rad]
+  float area = 0;    ///< visible area of the model's surface [squared diameters]
+  float relief = 0;  ///< standard deviation of that surface from a plane [tolerances]
   /// Root mean square of what smoothing moves the model's surface by at the consistent pixels, across
   /// it [scene unit].
   float smoothing_shift = 0;

@@ -207,6 +207,7 @@ void add_detections(py::module_& module) {
       .def_property_readonly("violation", has(&Detection::violation))
       .def_property_readonly("contour", has(&Detection::contour))
       .def_property_readonly("rmse", has(&Detection::rmse))
+      .def_property_readonly("deviation", has(&Detection::deviation))
       .def_property_readonly("parts", &score_parts<Detection>)
       .def_property_readonly("alternatives", &alternatives_of)
       .def_property_readonly("identity", [](const Handle& self) { return self.one->identity(); })

@@ -185,6 +185,9 @@ class Detection:
     @property
     def rmse(self) -> float: ...
     @property
+    def deviation(self) -> float:
+        """How far the object, as measured, is off its model, root mean square."""
+    @property
     def parts(self) -> dict[str, float]:
         """What the score is made of."""
     @property

@@ -22,7 +22,7 @@ namespace trivet::reference {
 struct Examination {
   double covered = 0, outside = 0, consistent = 0, violation = 0, occluded = 0, sunk = 0,
          unknown = 0, background = 0;
-  double residual = 0, smooth = 0, slope = 0, area = 0, relief = 0, stability = 0;
+  double residual = 0, smooth = 0, deviation = 0, slope = 0, area = 0, relief = 0, stability = 0;
   double beside = 0;  // fraction of covered pixels seen beside their place: not counted
 };
 
@@ -201,7 +201,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
   out.stability = least_eigenvalue(A / count);
 
   const int half = std::max(1, static_cast<int>(std::lround(2.0 / stride)));
-  double num_slopes = 0;
+  double num_slopes = 0, parts = 0;
   for (const auto& [at, r] : residuals) {
     Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();  // sums of least squares, a + b di + c dj
     Eigen::Vector3d right = Eigen::Vector3d::Zero();
@@ -216,6 +216,7 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     }
     const double n = sums(0, 0), mean = right(0) / n;
     out.smooth += mean * mean / (tau * tau) / count;
+    parts += 1 / n / count;
     if (n < 6) continue;
     const Eigen::Vector2d middle_step = sums.block<2, 1>(1, 0) / n;
     const Eigen::Matrix2d centered =
@@ -227,6 +228,9 @@ inline Examination examination(const kernels::RangeImage& image, const kernels::
     num_slopes += 1;
   }
   out.slope /= std::max(1.0, num_slopes);
+  // The residuals' variance is that of windows plus that within them, which averages out by parts.
+  if (parts < 0.5)
+    out.deviation = std::sqrt(std::max(0.0, out.smooth - parts * out.residual) / (1 - parts)) * tau;
   return out;
 }
 

@@ -68,6 +68,7 @@ TEST_F(Report, GivesLengthsInTheFilesUnit) {
   SettledPose turned = scored(0.9F);
   turned.pose.test.examination.tolerance = 0.2F;
   turned.pose.test.examination.mean_square = 0.25F;
+  turned.pose.test.examination.deviation = 0.05F;
   turned.pose.test.examination.residual = 0;  // all of it may be correlated noise
   turned.ambiguity.alternatives.push_back(scored(0, 4).pose.T_scene_model);
   turned.ambiguity.turns = TurnExtent{{{0, 0, 1}, {0.5F, 0, 0}}, -1, 1};
@@ -78,6 +79,7 @@ TEST_F(Report, GivesLengthsInTheFilesUnit) {
   const SceneResult result = reported();
   const Detection& detection = result.detections[0];
   EXPECT_FLOAT_EQ(detection.rmse, 1);
+  EXPECT_FLOAT_EQ(detection.deviation, 0.5F);
   EXPECT_FLOAT_EQ(detection.alternatives[0].translation().x(), 40);
   EXPECT_FLOAT_EQ(detection.turns->axis.point.x(), 5);
   ASSERT_EQ(detection.candidates.size(), 2U);

@@ -114,6 +114,7 @@ TEST(ExaminePose, AgreesWithANaiveReference) {
     if (naive.consistent > 100 * explained.square * explained.square) {
       near(e.residual, naive.residual, 0.02);
       near(e.smooth, naive.smooth, 0.05);
+      near(e.deviation, naive.deviation, 0.05);
       near(e.slope, naive.slope, 0.05);
       near(e.area, naive.area, 0.03);
       EXPECT_NEAR(static_cast<double>(e.relief), naive.relief, 0.02 * naive.relief + 0.01);
@@ -220,6 +221,26 @@ TEST(ExaminePose, AveragesNoiseAway) {
   const Examination e = examine(image, brick(), flat);
   EXPECT_NEAR(e.residual, 1.0F / 9, 0.02F) << "sigma is a third of the tolerance";
   EXPECT_LT(e.smooth, e.residual / 6) << "windows of 9 rays, fewer at the border";
+  EXPECT_LT(e.deviation, 0.15F * 1e-3F) << "also at the border";
+}
+
+// An object that is bent is off its model by what noise hides from single rays.
+TEST(ExaminePose, MeasuresWhatAnObjectIsOffItsModelBelowTheNoise) {
+  const Pose flat = test::pose_of({0, 0, 0}, {0, 0, 0.6F});
+  RangeImage image = render({{&brick(), flat}});
+  test::Random random(7);
+  constexpr float kBend = 0.0005F;  // half the noise; its root mean square is 1 / sqrt(2) of it
+  for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
+    image.depth[pixel] +=
+        kBend * std::sin(0.2F * static_cast<float>(pixel % 160)) + random.normal(1e-3F);
+  }
+  const float squared = 0.5F * kBend * kBend;
+  const Examination e = examine(image, brick(), flat);
+  EXPECT_NEAR(e.deviation, std::sqrt(squared), 0.2F * std::sqrt(squared));
+  ExamineOptions wavy;
+  wavy.correlated_noise.height = std::sqrt(squared);
+  EXPECT_LT(examine(image, brick(), flat, {}, nullptr, wavy).deviation, 0.6F * e.deviation)
+      << "what the scan is known to err by is not the object's";
 }
 
 TEST(ExaminePose, KnowsWhatHoldsAPose) {
