@@ -4,10 +4,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <optional>
 
 #include "kernels/common/pose_math.hpp"
+#include "kernels/common/voxel_hash.hpp"
 
 namespace trivet::kernels {
 namespace {
@@ -27,39 +28,40 @@ struct Partner {
 };
 
 /// The nearest sample that faces the same way, by the distance along both normals and what the
-/// distance along the surface exceeds the spacing by; none beyond `reach`.
-std::optional<Partner> partner_of(const ModelSamples& surface, const Eigen::Vector3f& q,
-                                  const Eigen::Vector3f& m, float reach) noexcept {
+/// distance along the surface exceeds the spacing by; none beyond `reach`. Ties go to the first.
+///
+/// places  the surface's points
+std::optional<Partner> partner_of(const ModelSamples& surface, const VoxelHash& places,
+                                  const Eigen::Vector3f& q, const Eigen::Vector3f& m, float reach) {
   const PointsView p = surface.points;
   const NormalsView n = surface.normals;
-  const float wide = reach + 2 * surface.spacing, far = wide * wide;
   float least = reach * reach;
+  std::uint32_t first = 0;
   std::optional<Partner> best;
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const Eigen::Vector3f d = q - p[k];
-    const float squared = d.squaredNorm();
-    if (!(squared < far)) continue;
+  places.visit_within(q, reach + 2 * surface.spacing, [&](std::uint32_t k, float squared) {
     const Eigen::Vector3f normal = n[k];
-    if (!(normal.dot(m) > kFacingAlike)) continue;
+    if (!(normal.dot(m) > kFacingAlike)) return;
     const Eigen::Vector3f axis = (normal + m).normalized();
-    const float height = d.dot(axis);
+    const float height = (q - p[k]).dot(axis);
     const float along =
         std::max(std::sqrt(std::max(squared - height * height, 0.0F)) - 2 * surface.spacing, 0.0F);
     const float distance = height * height + along * along;
-    if (!(distance < least)) continue;
+    if (!(distance < least) && !(best && distance == least && k < first)) return;
     least = distance;
+    first = k;
     best = Partner{axis, height, std::sqrt(distance)};
-  }
+  });
   return best;
 }
 
 }  // namespace
 
 RefinedAlignment refine_alignment(const ModelSamples& surface, const ModelSamples& other,
-                                  float tolerance, const Pose& start) noexcept {
+                                  float tolerance, const Pose& start) {
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   const std::size_t n = std::min(other.points.size(), kNumAligned);
   const float radius = 0.5F * surface.diameter;
+  const VoxelHash places(surface.points, tolerance + 2 * surface.spacing);
   RefinedAlignment out{start, 0};
   float gate = std::max(kFirstGate * surface.diameter, tolerance);
   const float shrink = std::pow(tolerance / gate, 1.0F / static_cast<float>(kAlignSteps - 2));
@@ -70,7 +72,7 @@ RefinedAlignment refine_alignment(const ModelSamples& surface, const ModelSample
     for (std::size_t i = 0; i < n; ++i) {
       const Eigen::Vector3f q = out.T_this_other * other.points[i];
       const Eigen::Vector3f m = out.T_this_other.linear() * other.normals[i];
-      const auto partner = partner_of(surface, q, m, gate);
+      const auto partner = partner_of(surface, places, q, m, gate);
       if (!partner) continue;
       const float part = partner->distance / gate;
       const double weight = std::pow(1 - static_cast<double>(part * part), 2);
@@ -90,7 +92,7 @@ RefinedAlignment refine_alignment(const ModelSamples& surface, const ModelSample
   }
   std::size_t agreeing = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    agreeing += partner_of(surface, out.T_this_other * other.points[i],
+    agreeing += partner_of(surface, places, out.T_this_other * other.points[i],
                            out.T_this_other.linear() * other.normals[i], tolerance)
                     ? 1
                     : 0;
