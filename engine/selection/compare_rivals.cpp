@@ -11,6 +11,16 @@ namespace {
 
 constexpr std::size_t kPosesOfRival = 4;
 
+/// What compare_poses holds measurements against.
+struct Limits {
+  kernels::MeasurementErrors errors;
+  kernels::VerifyOptions options;
+};
+
+Limits limits_of(const PoseTester& tester, const Pose& pose) {
+  return {tester.errors_of(pose), tester.strict(pose)};
+}
+
 double measured(const kernels::PoseComparison& comparison) noexcept {
   return comparison.log_ratio - comparison.of_missing;
 }
@@ -45,33 +55,33 @@ Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const Prepa
   TRIVET_TRY_ASSIGN(const TestedModel second_model,
                     tested_model(recognizer.library(), second.model));
   const PoseTester first_tester(first_model, scene, test), tester(second_model, scene, test);
-  // The first at one pose with the second at another one, by the errors and limits of `by`.
-  const auto compare = [&](const Pose& pose, const Pose& other_pose, const PoseTester& by,
-                           const Pose& at) {
-    return kernels::compare_poses(scene.images, {**surface, first_tester.samples(), pose},
-                                  {**other, tester.samples(), other_pose}, by.errors_of(at),
-                                  by.strict(at), scratch);
-  };
   const Pose &here = second.T_scene_model, &there = first.T_scene_model;
+  // The first at one pose with the second at another one, by the limits of the place of either.
+  const Limits limits_here = limits_of(tester, here);
+  const auto compare = [&](const Pose& pose, const Pose& other_pose, const Limits& limits) {
+    return kernels::compare_poses(scene.images, {**surface, first_tester.samples(), pose},
+                                  {**other, tester.samples(), other_pose}, limits.errors,
+                                  limits.options, scratch);
+  };
   RivalComparison out;
   out.T_second_first = here.inverse() * there;
   const kernels::RefinedAlignment common = kernels::refine_alignment(
       tester.samples(), first_tester.samples(), coinciding_distance(second_model.info.diameter),
       out.T_second_first);
+  const kernels::PoseComparison apart = compare(there, here, limits_here);
   if (common.agreeing < kCoinciding) {
-    const kernels::PoseComparison comparison = compare(there, here, tester, here);
-    out.log_odds = rival_log_odds(first.score, second.score, comparison);
-    out.num_measured = comparison.num_measured;
+    out.log_odds = rival_log_odds(first.score, second.score, apart);
+    out.num_measured = apart.num_measured;
     return out;
   }
   out.coincide = true;
   out.T_second_first = common.T_this_other;
   const Pose first_here = here * common.T_this_other,
              second_there = there * common.T_this_other.inverse();
-  const kernels::PoseComparison both_here = compare(first_here, here, tester, here),
-                                both_there = compare(there, second_there, first_tester, there),
-                                apart = compare(there, here, tester, here),
-                                crossed = compare(first_here, second_there, tester, here);
+  const kernels::PoseComparison both_here = compare(first_here, here, limits_here),
+                                both_there =
+                                    compare(there, second_there, limits_of(first_tester, there)),
+                                crossed = compare(first_here, second_there, limits_here);
   out.log_odds =
       odds_of_best(measured(both_here), measured(crossed), measured(apart), measured(both_there));
   out.num_measured = both_here.num_measured;

@@ -176,11 +176,14 @@ PoseComparison compare_poses(std::span<const RangeImage> images, const PosedMode
     for_each_ray([&](const Rendered& a, const Rendered& b, int u, int v, std::size_t block) {
       if (!comparer.differ(a, b, u, v)) return;
       out.num_votes += share;
-      out.num_measured += comparer.is_measured(a, b, u, v) ? 1 : 0;
       const double vote =
           share * (comparer.log_likelihood(a, u, v) - comparer.log_likelihood(b, u, v));
       scratch.votes[block] += vote;
-      out.of_missing += comparer.is_missing(u, v) ? vote : 0;
+      if (comparer.is_measured(a, b, u, v)) {
+        ++out.num_measured;
+      } else if (comparer.is_missing(u, v)) {
+        out.of_missing += vote;
+      }
     });
     for (const double vote : scratch.votes) {
       out.log_ratio += vote;
