@@ -88,4 +88,26 @@ Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const Prepa
   return out;
 }
 
+bool RivalComparisons::Before::operator()(const Rival& a, const Rival& b) const noexcept {
+  if (a.model != b.model) return a.model < b.model;
+  if (a.score != b.score) return a.score < b.score;
+  const auto left = a.T_scene_model.matrix().reshaped(),
+             right = b.T_scene_model.matrix().reshaped();
+  return std::lexicographical_compare(left.begin(), left.end(), right.begin(), right.end());
+}
+
+Result<RivalComparison> RivalComparisons::of(const Rival& first, const Rival& second,
+                                             kernels::CompareScratch& scratch) {
+  {
+    const std::lock_guard lock(mutex_);
+    const OfFirst& made = made_[first];
+    if (const auto known = made.find(second); known != made.end()) return known->second;
+  }
+  TRIVET_TRY_ASSIGN(const RivalComparison comparison,
+                    compare_rivals(recognizer_, scene_, test_, first, second, scratch));
+  const std::lock_guard lock(mutex_);
+  made_[first].emplace(second, comparison);
+  return comparison;
+}
+
 }  // namespace trivet::engine

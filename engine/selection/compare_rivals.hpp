@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <vector>
 
 #include "engine/loaded_library/recognizer.hpp"
@@ -59,5 +61,31 @@ struct RivalComparison {
 Result<RivalComparison> compare_rivals(const Recognizer& recognizer, const PreparedScene& scene,
                                        const PoseTestOptions& test, const Rival& first,
                                        const Rival& second, kernels::CompareScratch& scratch);
+
+/// The comparisons of a scene. Places are settled several times, by what is selected, and most of
+/// their rivals are the same: each comparison is made once. Thread-safe.
+class RivalComparisons {
+ public:
+  /// Keeps references to all arguments.
+  RivalComparisons(const Recognizer& recognizer, const PreparedScene& scene,
+                   const PoseTestOptions& test)
+      : recognizer_(recognizer), scene_(scene), test_(test) {}
+
+  /// compare_rivals of the scene. Errors: as for compare_rivals.
+  Result<RivalComparison> of(const Rival& first, const Rival& second,
+                             kernels::CompareScratch& scratch);
+
+ private:
+  struct Before {
+    bool operator()(const Rival& a, const Rival& b) const noexcept;
+  };
+  using OfFirst = std::map<Rival, RivalComparison, Before>;
+
+  const Recognizer& recognizer_;
+  const PreparedScene& scene_;
+  const PoseTestOptions& test_;
+  std::mutex mutex_;
+  std::map<Rival, OfFirst, Before> made_;
+};
 
 }  // namespace trivet::engine

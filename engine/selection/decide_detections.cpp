@@ -136,11 +136,11 @@ Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const P
                                            const DecideOptions& options, Selection& selection,
                                            PoseTable& table) {
   const TestedPoses poses{recognizer.library(), scene, table, tested};
+  RivalComparisons comparisons(recognizer, scene, options.test);
   std::optional<OtherAnswers> others;
   if (options.alternatives) {
-    TRIVET_TRY(settle_rivals(recognizer, poses, options.test, selection));
-    Result<OtherAnswers> found =
-        OtherAnswers::among(recognizer, poses, options.select, options.test);
+    TRIVET_TRY(settle_rivals(comparisons, poses, selection));
+    Result<OtherAnswers> found = OtherAnswers::among(comparisons, poses, options.select);
     if (!found) return found.error();
     others.emplace(*std::move(found));
   }
@@ -177,7 +177,7 @@ Result<std::vector<Row>> decide_detections(const Recognizer& recognizer, const P
     least = options.select.min_score;
     selection.chosen = choose_unexplained(poses, standing, options.select, selection.refused);
     if (others) {
-      TRIVET_TRY(settle_rivals(recognizer, poses, options.test, selection));
+      TRIVET_TRY(settle_rivals(comparisons, poses, selection));
     }
   }
   for (PoseFate& fate : table.fate) fate = PoseFate::given_up;

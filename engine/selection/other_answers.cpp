@@ -6,7 +6,6 @@
 #include <optional>
 #include <utility>
 
-#include "engine/selection/compare_rivals.hpp"
 #include "engine/selection/odds.hpp"
 #include "engine/selection/settle_rivals.hpp"
 #include "kernels/scoring/pose_score.hpp"
@@ -66,18 +65,17 @@ float odds_in_crowd(float score, std::span<const float> others) noexcept {
   return static_cast<float>(1 / (1 + doubts / (1 + sure) / kCrowd));
 }
 
-Result<OtherAnswers> OtherAnswers::among(const Recognizer& recognizer, const TestedPoses& poses,
-                                         const SelectOptions& select, const PoseTestOptions& test) {
+Result<OtherAnswers> OtherAnswers::among(RivalComparisons& comparisons, const TestedPoses& poses,
+                                         const SelectOptions& select) {
   Selection selection = select_poses(poses, down_to_answers(select));
-  TRIVET_TRY(settle_rivals(recognizer, poses, test, selection));
-  return OtherAnswers(recognizer, poses, test, std::move(selection));
+  TRIVET_TRY(settle_rivals(comparisons, poses, selection));
+  return OtherAnswers(comparisons, poses, std::move(selection));
 }
 
-OtherAnswers::OtherAnswers(const Recognizer& recognizer, const TestedPoses& poses,
-                           const PoseTestOptions& test, Selection selection)
-    : recognizer_(recognizer),
+OtherAnswers::OtherAnswers(RivalComparisons& comparisons, const TestedPoses& poses,
+                           Selection selection)
+    : comparisons_(comparisons),
       poses_(poses),
-      test_(test),
       selection_(std::move(selection)),
       answers_(poses.library.models.size()) {
   for (const Row row : selection_.chosen) answers_[poses.table.model[row]].push_back(row);
@@ -129,9 +127,8 @@ Result<std::optional<Row>> OtherAnswers::note_candidates(Row row, SettledPose& s
     bool coincides = false;
     for (const Row other : rows) {
       check_stop();
-      TRIVET_TRY_ASSIGN(
-          const RivalComparison comparison,
-          compare_rivals(recognizer_, poses_.scene, test_, rival_of(table, other), own, scratch));
+      TRIVET_TRY_ASSIGN(const RivalComparison comparison,
+                        comparisons_.of(rival_of(table, other), own, scratch));
       if (comparison.log_odds > most) {
         most = comparison.log_odds;
         better = other;

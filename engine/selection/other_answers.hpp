@@ -7,9 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "engine/loaded_library/recognizer.hpp"
+#include "engine/selection/compare_rivals.hpp"
 #include "engine/selection/select_poses.hpp"
-#include "engine/verification/pose_tester.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet::engine {
@@ -27,8 +26,8 @@ class OtherAnswers {
  public:
   /// Keeps references to all arguments. Errors: internal (no memory for a model's ray-tracing
   /// tree).
-  static Result<OtherAnswers> among(const Recognizer& recognizer, const TestedPoses& poses,
-                                    const SelectOptions& select, const PoseTestOptions& test);
+  static Result<OtherAnswers> among(RivalComparisons& comparisons, const TestedPoses& poses,
+                                    const SelectOptions& select);
 
   /// Lower the score of a settled pose by the crowd of other answers of its model, and note which
   /// models it may be.
@@ -46,14 +45,12 @@ class OtherAnswers {
   Result<std::optional<Row>> weigh(Row row, SettledPose& settled) const;
 
  private:
-  OtherAnswers(const Recognizer& recognizer, const TestedPoses& poses, const PoseTestOptions& test,
-               Selection selection);
+  OtherAnswers(RivalComparisons& comparisons, const TestedPoses& poses, Selection selection);
   std::map<std::uint32_t, std::vector<Row>> rivals_at(Row row) const;
   Result<std::optional<Row>> note_candidates(Row row, SettledPose& settled) const;
 
-  const Recognizer& recognizer_;
+  RivalComparisons& comparisons_;
   const TestedPoses& poses_;
-  const PoseTestOptions& test_;
   Selection selection_;
   std::vector<std::vector<Row>> answers_;  // chosen poses, by model
 };

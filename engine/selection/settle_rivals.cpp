@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "engine/common/parallel.hpp"
-#include "engine/selection/compare_rivals.hpp"
 
 namespace trivet::engine {
 namespace {
@@ -26,12 +25,11 @@ std::vector<Row> rivals_of(Row chosen, const TestedPoses& poses, std::span<const
 }
 
 /// The likelier of two poses: `rival` if the scan supports it better.
-Result<Row> likelier(const Recognizer& recognizer, const TestedPoses& poses,
-                     const PoseTestOptions& test, Row rival, Row winner,
+Result<Row> likelier(RivalComparisons& comparisons, const TestedPoses& poses, Row rival, Row winner,
                      kernels::CompareScratch& scratch) {
-  TRIVET_TRY_ASSIGN(const RivalComparison comparison,
-                    compare_rivals(recognizer, poses.scene, test, rival_of(poses.table, rival),
-                                   rival_of(poses.table, winner), scratch));
+  TRIVET_TRY_ASSIGN(
+      const RivalComparison comparison,
+      comparisons.of(rival_of(poses.table, rival), rival_of(poses.table, winner), scratch));
   return comparison.log_odds > 0 ? rival : winner;
 }
 
@@ -48,15 +46,15 @@ void exchange(Row loser, Row winner, std::vector<Refusal>& refused) {
   }
 }
 
-Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& poses,
-                           const PoseTestOptions& test, Selection& selection) {
+Result<void> settle_rivals(RivalComparisons& comparisons, const TestedPoses& poses,
+                           Selection& selection) {
   std::vector<Row> winners = selection.chosen;
   std::vector<Result<void>> results(winners.size());
   for_each_index(winners.size(), [&](std::size_t k) {
     kernels::CompareScratch scratch;
     for (const Row rival : rivals_of(selection.chosen[k], poses, selection.refused)) {
       check_stop();
-      const Result<Row> winner = likelier(recognizer, poses, test, rival, winners[k], scratch);
+      const Result<Row> winner = likelier(comparisons, poses, rival, winners[k], scratch);
       if (!winner) {
         results[k] = winner.error();
         return;

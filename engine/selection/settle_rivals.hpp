@@ -1,9 +1,8 @@
 /// Competition between models that claim the same place.
 #pragma once
 
-#include "engine/loaded_library/recognizer.hpp"
+#include "engine/selection/compare_rivals.hpp"
 #include "engine/selection/select_poses.hpp"
-#include "engine/verification/pose_tester.hpp"
 #include "storage/common/result.hpp"
 
 namespace trivet::engine {
@@ -13,8 +12,8 @@ namespace trivet::engine {
 /// if that model is likelier (compare_rivals). The new pose is then compared with the remaining
 /// rivals.
 /// Errors: internal (no memory for a model's ray-tracing tree).
-Result<void> settle_rivals(const Recognizer& recognizer, const TestedPoses& poses,
-                           const PoseTestOptions& test, Selection& selection);
+Result<void> settle_rivals(RivalComparisons& comparisons, const TestedPoses& poses,
+                           Selection& selection);
 
 /// Give the place of a chosen pose to another one that it hides.
 ///

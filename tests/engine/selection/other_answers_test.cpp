@@ -140,7 +140,9 @@ TEST_F(Candidates, HaveTheScoreOfTheFamily) {
   }
   const std::array<Row, 2> rows{0, 1};
   const TestedPoses poses{both_.library(), *scene, table, rows};
-  const auto others = OtherAnswers::among(both_, poses, {}, {});
+  const PoseTestOptions test;
+  RivalComparisons comparisons(both_, *scene, test);
+  const auto others = OtherAnswers::among(comparisons, poses, {});
   ASSERT_TRUE(others);
   SettledPose settled{{pose(), 0.6F, {}}, {}};
   ASSERT_TRUE(others->weigh(1, settled));

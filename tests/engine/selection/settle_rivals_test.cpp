@@ -45,8 +45,10 @@ class SettleRivals : public testing::Test {
     selection.chosen = {0};
     selection.refused = {{1, Rejection::explained, 0U, 0.9F}};
     const std::array<Row, 2> rows{0, 1};
+    const PoseTestOptions test;
+    RivalComparisons comparisons(recognizer_, scene_, test);
     EXPECT_TRUE(
-        settle_rivals(recognizer_, {recognizer_.library(), scene_, table, rows}, {}, selection));
+        settle_rivals(comparisons, {recognizer_.library(), scene_, table, rows}, selection));
     return selection;
   }
   static constexpr std::uint32_t kLong = 0, kShort = 1;
