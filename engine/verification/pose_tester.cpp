@@ -30,6 +30,9 @@ constexpr float kWorthMoving = 0.1F;
 // Of a likelier pose also the last short steps are taken.
 constexpr float kLikely = 0.5F;
 constexpr int kSteps = 8;
+// Of 768 poses of lower scores in seven sets of real scans none became likelier than 0.3 by a
+// narrower gate. Refused poses, whose scores are 0, may: they are looked through beside their place.
+constexpr float kWorthNarrowing = 0.005F;
 constexpr int kNarrowings = 8;  // each gate about half a standard deviation of the sensor narrower
 // Edges know better than the score where a pose is, unless it is less likely there by this much
 // [log odds]. Sensors that match windows shift edges.
@@ -288,8 +291,10 @@ std::vector<kernels::JudgedRay> PoseTester::judged_rays(const kernels::RayScene&
 TestedPose PoseTester::polish_and_examine(const kernels::RayScene& surface,
                                           const kernels::ScoreModel& score, const Pose& pose,
                                           kernels::ExamineScratch& scratch) const {
-  const Pose wide = polished(pose), narrow = sharpened(wide);
+  const Pose wide = polished(pose);
   TestedPose tested = examine(surface, score, wide, scratch);
+  if (tested.score > 0 && tested.score < kWorthNarrowing) return tested;
+  const Pose narrow = sharpened(wide);
   if (!are_apart(wide, narrow, kApart)) return tested;
   TestedPose other = examine(surface, score, narrow, scratch);
   const bool is_better = fits_closer({other.score, other.test.examination.mean_square},
