@@ -24,30 +24,62 @@ constexpr int kEdgeReach = 12;       // pixels from the model's end to that of t
 constexpr int kLost = 3;             // pixels before an end that sensors may not measure
 constexpr float kFlatCosine = 0.3F;  // of incidence: a surface that is continued in its plane
 constexpr float kLeastAlong = 0.3F;  // cosine between a step and the direction across an outline
-// Cosine of 30 degrees: noise turns normals by less.
-constexpr float kContinues = 0.866F;
+constexpr float kFolds = 0.866F;     // cosine of 30 degrees, between the normals of two faces
 
-/// What a pixel near an end of the model measures.
-enum class Place : std::uint8_t {
-  surface,  // the surface before the end, continued in its plane
-  behind,   // something farther
-  unmeasured,
-  elsewhere,  // something nearer, or in contact
+/// The plane of the face that a ray hits, in the camera's frame.
+struct FacePlane {
+  FacePlane(const ExaminedRays& rays, const RayHit& hit)
+      : normal(hit.normal),
+        offset(hit.normal.dot(hit.place)),
+        step(rays.step / (hit.length * hit.facing)) {}
+
+  /// How far a depth along a ray lies behind the plane.
+  float behind(const Eigen::Vector3f& ray, float depth) const noexcept {
+    return depth - offset / normal.dot(ray);
+  }
+
+  Eigen::Vector3f normal;
+  float offset;
+  float step;  ///< a depth that differs by more is that of another surface
 };
 
-/// Number of pixels beyond the last ray of the crop that still hit the model, by bisection. Both
-/// ends are then rounded alike to pixels, and a right pose has distances of 0.
-int pixels_beyond(const ExaminedRays& rays, const RayEnd& end) noexcept {
-  int hit_at = 0, missed_at = rays.crop.stride;
-  while (missed_at - hit_at > 1) {
-    const int middle = (hit_at + missed_at) / 2;
-    const Eigen::Vector3f ray = ray_through(rays.geometry, rays.crop.u(end.i) + middle * end.di,
-                                            rays.crop.v(end.j) + middle * end.dj);
-    const auto is_hit = static_cast<bool>(rays.first_hit(ray));
-    (is_hit ? hit_at : missed_at) = middle;
+/// Where a face of the model ends, between the last ray that hits it and the next one.
+struct FaceEnd {
+  int pixels;     ///< beyond the ray, to the last pixel on the face
+  bool is_sharp;  ///< whether the model ends, falls back or folds there; it may also bend slowly
+};
+
+/// Find the end of a face by bisection. It is found by depths and rounded to a pixel, as that of the
+/// measured surface is: a right pose has distances of 0. Beyond it the side of a plate may follow.
+FaceEnd end_of_face(const ExaminedRays& rays, const RayEnd& end, const FacePlane& plane) noexcept {
+  struct Beyond {
+    bool is_on_face, is_sharp;
+  };
+  const auto beyond_at = [&](int pixels) -> Beyond {
+    const Eigen::Vector3f ray = ray_through(rays.geometry, rays.crop.u(end.i) + pixels * end.di,
+                                            rays.crop.v(end.j) + pixels * end.dj);
+    const Hit hit = rays.first_hit(ray);
+    if (!hit) return {false, true};
+    const float behind = plane.behind(ray, hit.distance);
+    const Eigen::Vector3f normal = rays.T_camera_model.linear() * hit.normal;
+    return {std::abs(behind) <= plane.step,
+            behind > 2 * plane.step || std::abs(normal.dot(plane.normal)) < kFolds};
+  };
+  int on_face = 0, off_face = rays.crop.stride;
+  while (off_face - on_face > 1) {
+    const int middle = (on_face + off_face) / 2;
+    (beyond_at(middle).is_on_face ? on_face : off_face) = middle;
   }
-  return hit_at;
+  return {on_face, beyond_at(off_face).is_sharp};
 }
+
+/// What a pixel near an end of a face measures.
+enum class Place : std::uint8_t {
+  surface,  // the face, continued in its plane
+  behind,   // something farther
+  unmeasured,
+  elsewhere,  // something nearer, or another surface in contact
+};
 
 /// The end of the measured surface.
 struct MeasuredEnd {
@@ -61,20 +93,24 @@ struct MeasuredEnd {
 std::optional<MeasuredEnd> measured_end(const ExaminedRays& rays, const RayEnd& end) noexcept {
   const RayHit hit = rays.hit_at(end.i, end.j);
   if (!(hit.facing > kFlatCosine)) return std::nullopt;
-  const int beyond = pixels_beyond(rays, end);
-  const int u = rays.crop.u(end.i) + beyond * end.di, v = rays.crop.v(end.j) + beyond * end.dj;
-  const float step_in_depth = rays.step / (hit.length * hit.facing);
-  const float offset = hit.normal.dot(hit.place);
+  const FacePlane plane(rays, hit);
+  const FaceEnd face = end_of_face(rays, end, plane);
+  if (!face.is_sharp) return std::nullopt;
+  const int u = rays.crop.u(end.i) + face.pixels * end.di;
+  const int v = rays.crop.v(end.j) + face.pixels * end.dj;
+  // Normals beside a step are fitted to both of its sides. Only where sensors match windows or filter
+  // they tell more than depths: a face ends where it begins to be rounded off.
+  const bool is_rounded = rays.options.edge_pixels > 0 || rays.options.smoothing > 0;
   const auto place_at = [&](int step) {
     const int x = u + step * end.di, y = v + step * end.dj;
     if (!rays.inside(x, y)) return Place::elsewhere;
     const std::size_t pixel = rays.pixel_at(x, y);
     const float d = rays.image.depth[pixel];
     if (!(d > 0)) return Place::unmeasured;
-    const float behind = d - offset / hit.normal.dot(ray_through(rays.geometry, x, y));
-    if (std::abs(behind) > step_in_depth) return behind > 0 ? Place::behind : Place::elsewhere;
-    const float cosine = rays.image.normals[pixel].dot(hit.normal);
-    return cosine < kContinues ? Place::elsewhere : Place::surface;  // NaN: no normal
+    const float behind = plane.behind(ray_through(rays.geometry, x, y), d);
+    if (std::abs(behind) > plane.step) return behind > 0 ? Place::behind : Place::elsewhere;
+    const bool folds = is_rounded && rays.image.normals[pixel].dot(plane.normal) < kFolds;
+    return folds ? Place::elsewhere : Place::surface;
   };
   int outside = 0;  // the first pixel from the model's end that does not measure the surface
   while (outside <= kEdgeReach && place_at(outside) == Place::surface) ++outside;

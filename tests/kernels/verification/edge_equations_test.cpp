@@ -94,6 +94,38 @@ TEST(PoseEquations, KeepAFaceInPlaceThatLosesPixelsOnOneSide) {
   EXPECT_LT((found.translation() - straight.translation()).norm(), 0.5F * kPixel) << "not by one";
 }
 
+/// Fit normals to each pixel and the four beside it, over steps in depth, too.
+void fit_normals(RangeImage& image) {
+  const std::size_t width = image.geometry.width, height = image.geometry.height;
+  const auto point_at = [&](std::size_t pixel) {
+    return image.geometry.back_project(pixel, image.depth[pixel]);
+  };
+  for (std::size_t v = 1; v + 1 < height; ++v) {
+    for (std::size_t u = 1; u + 1 < width; ++u) {
+      const std::size_t at = v * width + u;
+      const Vector3f right = point_at(at + 1) - point_at(at - 1),
+                     down = point_at(at + width) - point_at(at - width);
+      image.normals.set(at, down.cross(right).normalized());
+    }
+  }
+}
+
+// What a plate lies on is close behind it, so that normals are fitted to both; and where its side is
+// seen, its outline lies on the table.
+TEST(PoseEquations, LeadAPlateOnATableThatSlidBackToItsEnds) {
+  const Body plate({0.1F, 0.06F, 0.01F}), table({0.4F, 0.4F, 0.01F});
+  for (const float angle : {0.0F, 0.35F}) {
+    const Pose right = test::pose_of({0, angle, 0.15F}, kFacing.translation());
+    const Pose below = right * Eigen::Translation3f(0, 0, 0.02F);
+    RangeImage image = render({{&plate, right}, {&table, below}});
+    fit_normals(image);
+    const Pose start = right * Eigen::Translation3f(-1.5F * kPixel, 0, 0);
+    const Pose found = solved(image, plate, start);
+    EXPECT_LT((found.translation() - right.translation()).norm(), 0.3F * kPixel) << angle;
+    EXPECT_LT(rotation_angle(found.linear(), right.linear()), 0.01F) << angle;
+  }
+}
+
 /// Information on a slide along x.
 double information_on_slide(const RangeImage& image) {
   return equations_of(image, brick(), kFacing).information(3, 3);
