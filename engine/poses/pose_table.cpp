@@ -11,7 +11,7 @@ Row PoseTable::add(std::uint32_t of_model, Source proposed_by, const Pose& pose,
   model.push_back(of_model);
   source.push_back(proposed_by);
   T_proposed.push_back(pose);
-  T_scene_model.push_back(pose);
+  T_scene_model.push_back(T_proposed.back());  // the pose may be one of T_proposed, which has moved
   votes.push_back(num_votes);
   share.push_back(vote_share);
   evidence.emplace_back();

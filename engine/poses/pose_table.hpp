@@ -107,7 +107,7 @@ struct PoseTable {
   const FullTest& test(Row row) const { return tests[test_index[row]]; }
   const Ambiguity& ambiguity(Row row) const { return ambiguities[test_index[row]]; }
 
-  /// Append a pose. Returns its row.
+  /// Append a pose, which may be one of the table's own. Returns its row.
   Row add(std::uint32_t of_model, Source proposed_by, const Pose& pose, float num_votes = 0,
           float vote_share = 0);
   /// Record the result of the full test, or of the comparison with similar hypotheses.

@@ -26,6 +26,20 @@ TEST(PoseTable, KeepsRowsWhereTheyAre) {
   EXPECT_EQ(table.fate[0], PoseFate::open);
 }
 
+TEST(PoseTable, AppendsPosesOfItsOwnRows) {
+  PoseTable table;
+  Pose there = Pose::Identity();
+  there.translation() = Eigen::Vector3f(1, 2, 3);
+  table.add(7, Source::ppf, there);
+  // As often as to move all columns several times.
+  for (std::uint32_t k = 0; k < 40; ++k) {
+    const Row row =
+        table.add(7, Source::ppf, k % 2 == 0 ? table.T_proposed[0] : table.T_scene_model[0]);
+    ASSERT_EQ(table.T_proposed[row].matrix(), there.matrix()) << k;
+    ASSERT_EQ(table.T_scene_model[row].matrix(), there.matrix()) << k;
+  }
+}
+
 TEST(PoseTable, RecordsTestsInAnyOrder) {
   PoseTable table;
   for (std::uint32_t m = 0; m < 3; ++m) table.add(m, Source::ppf, Pose::Identity());
