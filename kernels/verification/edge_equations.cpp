@@ -15,7 +15,8 @@ constexpr double kEdgeError = 0.5, kEdgeRun = 2, kSharedEdgeError = 0.5, kSides 
 constexpr double kCommonShift = 1, kShareOfWindow = 0.5;
 // Where such pixels are not measured, surfaces end before their edges: by 0.9 to 1 pixels on average
 // in made scans, by 0.3 to 1.5 in real ones, but for one that lets objects grow by 1. Their other
-// edges are 0.4 within to 0.8 beyond [pixel].
+// edges are 0.4 within to 0.8 beyond [pixel]. Where both sides differ in depth by no more than the
+// most oblique surface does over a pixel (kMinRayCosine), sensors measure such pixels, too.
 constexpr double kShiftAtGaps = -0.6;
 // Edges much farther away than those shifts may be those of another surface: their weights fall as
 // Cauchy's, so that they still draw a pose that slid far [pixel].
@@ -84,7 +85,7 @@ enum class Place : std::uint8_t {
 /// The end of the measured surface.
 struct MeasuredEnd {
   float pixels;    ///< from the model's end to it; negative: within the model
-  bool is_at_gap;  ///< whether pixels beyond it are not measured
+  bool is_at_gap;  ///< whether pixels that see both sides of the edge are not measured
 };
 
 /// Where the surface ends that was measured before an end of the model. Empty if it does not end
@@ -101,13 +102,15 @@ std::optional<MeasuredEnd> measured_end(const ExaminedRays& rays, const RayEnd& 
   // Normals beside a step are fitted to both of its sides. Only where sensors match windows or filter
   // they tell more than depths: a face ends where it begins to be rounded off.
   const bool is_rounded = rays.options.edge_pixels > 0 || rays.options.smoothing > 0;
+  const auto behind_at = [&](int x, int y) {
+    return plane.behind(ray_through(rays.geometry, x, y), rays.image.depth[rays.pixel_at(x, y)]);
+  };
   const auto place_at = [&](int step) {
     const int x = u + step * end.di, y = v + step * end.dj;
     if (!rays.inside(x, y)) return Place::elsewhere;
     const std::size_t pixel = rays.pixel_at(x, y);
-    const float d = rays.image.depth[pixel];
-    if (!(d > 0)) return Place::unmeasured;
-    const float behind = plane.behind(ray_through(rays.geometry, x, y), d);
+    if (!(rays.image.depth[pixel] > 0)) return Place::unmeasured;
+    const float behind = behind_at(x, y);
     if (std::abs(behind) > plane.step) return behind > 0 ? Place::behind : Place::elsewhere;
     const bool folds = is_rounded && rays.image.normals[pixel].dot(plane.normal) < kFolds;
     return folds ? Place::elsewhere : Place::surface;
@@ -118,13 +121,17 @@ std::optional<MeasuredEnd> measured_end(const ExaminedRays& rays, const RayEnd& 
   while (measured <= kEdgeReach && place_at(measured) == Place::unmeasured) ++measured;
   // The surface may go on where nothing is measured.
   if (measured > kEdgeReach || place_at(measured) != Place::behind) return std::nullopt;
-  if (outside > 0) return MeasuredEnd{static_cast<float>(outside - 1), measured > outside};
+  const float jump = behind_at(u + measured * end.di, v + measured * end.dj);
+  const bool loses_pixels = kMinRayCosine * jump > rays.depth_at(end.i, end.j) / rays.geometry.fx;
+  if (outside > 0)
+    return MeasuredEnd{static_cast<float>(outside - 1), loses_pixels && measured > outside};
   const Place own = place_at(0);
   const int last = own == Place::unmeasured ? kLost : kEdgeReach;
   bool is_at_gap = own == Place::unmeasured;
   for (int step = -1; step >= -last; --step) {
     const Place place = place_at(step);
-    if (place == Place::surface) return MeasuredEnd{static_cast<float>(step), is_at_gap};
+    if (place == Place::surface)
+      return MeasuredEnd{static_cast<float>(step), loses_pixels && is_at_gap};
     if (place != own && place != Place::unmeasured) return std::nullopt;
     is_at_gap = is_at_gap || place == Place::unmeasured;
   }

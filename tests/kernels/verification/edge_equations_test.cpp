@@ -126,6 +126,20 @@ TEST(PoseEquations, LeadAPlateOnATableThatSlidBackToItsEnds) {
   }
 }
 
+// Pixels that see both sides of a low step are measured, whatever lies in the shadow beside it.
+TEST(PoseEquations, KeepAPlateInPlaceThatHasAShadowOnOneSide) {
+  const Body plate({0.1F, 0.06F, 0.005F});
+  RangeImage image = render({{&plate, kFacing}}, 0.65F);
+  const Column<float> seen = image.depth;
+  for (std::size_t pixel = 0; pixel + 1 < seen.size(); ++pixel) {
+    if (seen[pixel] > seen[pixel + 1]) image.depth[pixel] = 0;
+    // Only the side of the shadow holds it along x.
+    if (pixel % image.geometry.width > 90) image.depth[pixel] = 0.635F;
+  }
+  const Pose found = solved(image, plate, kFacing);
+  EXPECT_LT((found.translation() - kFacing.translation()).norm(), 0.05F * kPixel);
+}
+
 /// Information on a slide along x.
 double information_on_slide(const RangeImage& image) {
   return equations_of(image, brick(), kFacing).information(3, 3);
