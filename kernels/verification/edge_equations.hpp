@@ -25,7 +25,7 @@ class EdgeEquations {
   };
 
   PoseEquations sums_;
-  SharedShift of_steps_, of_gaps_;  // of edges without and with unmeasured pixels beside them
+  SharedShift of_steps_, of_gaps_;  // of edges whose pixels sensors measure, and lose
   double shift_deviation_ = 0;      // by the sensor [pixel]
   double count_ = 0;
 };
