@@ -66,12 +66,19 @@ FaceEnd end_of_face(const ExaminedRays& rays, const RayEnd& end, const FacePlane
     return {std::abs(behind) <= plane.step,
             behind > 2 * plane.step || std::abs(normal.dot(plane.normal)) < kFolds};
   };
-  int on_face = 0, off_face = rays.crop.stride;
-  while (off_face - on_face > 1) {
-    const int middle = (on_face + off_face) / 2;
-    (beyond_at(middle).is_on_face ? on_face : off_face) = middle;
+  FaceEnd face{0, true};  // the next ray misses the model
+  int off_face = rays.crop.stride;
+  while (off_face - face.pixels > 1) {
+    const int middle = (face.pixels + off_face) / 2;
+    const Beyond beyond = beyond_at(middle);
+    if (beyond.is_on_face) {
+      face.pixels = middle;
+    } else {
+      off_face = middle;
+      face.is_sharp = beyond.is_sharp;
+    }
   }
-  return {on_face, beyond_at(off_face).is_sharp};
+  return face;
 }
 
 /// What a pixel near an end of a face measures.
