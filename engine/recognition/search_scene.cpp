@@ -32,6 +32,9 @@ namespace {
 constexpr std::size_t kSmoothingPoses = 24;  // that tell how the scan was smoothed
 constexpr float kSamePlace = 0.5F;           // largest distance of their centers [mean diameter]
 constexpr float kClimbsFrom = 0.5F;          // minimum score of poses whose look-alikes are tested
+// Least agreement by samples of the poses in each portion that rays test. Of 14,685 refined poses in
+// real scans 84 % agree by less than 0.4; most of them lie on what a better one explains.
+constexpr std::array<float, 3> kPortions{0.6F, 0.3F, 0};
 
 /// Probabilities of a pose with each length of a filter.
 using ByLength = std::array<float, kernels::kSmoothingLengths.size()>;
@@ -73,6 +76,11 @@ class SceneSearch {
   Result<void> test_near_copies();
   bool is_tested(std::uint32_t model, const Pose& pose, float least_score) const;
   Result<void> examine(std::span<const Row> rows);
+  /// Test refined poses by rays in portions of falling agreement. Poses on what detections of
+  /// earlier portions explain are left out.
+  Result<void> examine_in_portions(std::vector<Row> rows);
+  /// Remove the poses on explained pixels.
+  void erase_explained(std::vector<Row>& rows) const;
   /// Find out by the best poses how a filter has smoothed the scan, and test all poses accordingly.
   Result<void> find_smoothing();
   /// The probabilities of the likeliest pose of each place, given those of all: a pose beside it fits
@@ -197,10 +205,7 @@ Result<void> SceneSearch::test_best() {
   std::vector<Row> rows;
   {
     const StageTimer timer(stats_.times, "preselect");
-    const std::vector<std::uint8_t> explained =
-        verifier_.lie_on(table_, waiting_, selection_.explained);
-    std::size_t k = 0;
-    std::erase_if(waiting_, [&](Row) { return explained[k++] != 0; });
+    erase_explained(waiting_);
     const std::size_t judged =
         limits.refined < kNoLimit / kContourShare ? kContourShare * limits.refined : kNoLimit;
     rows = extract_best(table_.score, judged, waiting_);
@@ -213,7 +218,7 @@ Result<void> SceneSearch::test_best() {
   }
   refine(rows);
   rows = choose_to_examine(rows);
-  return examine(extract_best(table_.score, limits.examined, rows));
+  return examine_in_portions(extract_best(table_.score, limits.examined, rows));
 }
 
 Result<void> SceneSearch::test_look_alikes() {
@@ -329,6 +334,24 @@ Result<void> SceneSearch::examine(std::span<const Row> rows) {
   const StageTimer timer(stats_.times, "select");
   selection_ = select_poses({library_, scene_, table_, tested_}, plan_.decide.select);
   return {};
+}
+
+Result<void> SceneSearch::examine_in_portions(std::vector<Row> rows) {
+  for (const float least : kPortions) {
+    const auto later = std::stable_partition(rows.begin(), rows.end(),
+                                             [&](Row row) { return table_.score[row] >= least; });
+    std::vector<Row> portion(rows.begin(), later);
+    rows.erase(rows.begin(), later);
+    erase_explained(portion);
+    if (!portion.empty()) TRIVET_TRY(examine(portion));
+  }
+  return {};
+}
+
+void SceneSearch::erase_explained(std::vector<Row>& rows) const {
+  const std::vector<std::uint8_t> explained = verifier_.lie_on(table_, rows, selection_.explained);
+  std::size_t k = 0;
+  std::erase_if(rows, [&](Row) { return explained[k++] != 0; });
 }
 
 std::vector<ByLength> SceneSearch::likeliest_of_places(
