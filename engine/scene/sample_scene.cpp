@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -29,15 +30,32 @@ static_assert(kNormalClusterRad > (kNormalClusterDeg - 0.01F) * std::numbers::pi
                   kNormalClusterRad < (kNormalClusterDeg + 0.01F) * std::numbers::pi_v<float> / 180,
               "scenes are thinned as models are");
 
-/// Whether an object of a size would be shown at a point as many errors of the sensor and as many
-/// pixels wide as a test of its pose takes, and whether points a step apart have normals.
-bool shows(const PreparedScene& scene, const Eigen::Vector3f& point, float diameter, float step) {
-  if (scene.view.kind == SceneKind::surface) return true;  // measured from all sides
-  const kernels::ImageGeometry& geometry = scene.images.front().geometry;
-  const float range = (geometry.T_camera_scene * point).z();
-  return diameter > kFewestErrors * scene.sensor.error_at(range) &&
-         step > kFewestErrorsOfStep * scene.sensor.correlated_noise_at(range).height &&
-         diameter * geometry.fx > kFewestErrors * range;
+/// The range up to which an object of a size is shown as many errors of the sensor and as many pixels
+/// wide as a test of its pose takes, and points a step apart have normals.
+float farthest_shown(const PreparedScene& scene, float diameter, float step) {
+  if (scene.view.kind == SceneKind::surface)  // measured from all sides
+    return std::numeric_limits<float>::infinity();
+  const kernels::SensorModel& sensor = scene.sensor;
+  const float correlated = sensor.correlated_noise.height;
+  const float growth = std::min(diameter / (kFewestErrors * std::hypot(sensor.noise, correlated)),
+                                step / (kFewestErrorsOfStep * correlated));
+  return std::min(sensor.range_of_growth(growth),
+                  diameter * scene.images.front().geometry.fx / kFewestErrors);
+}
+
+/// The points of a cloud up to a range from the sensor.
+void choose_near(const OrientedView& cloud, const Pose& T_camera_scene, float farthest,
+                 Points& points, Normals& normals) {
+  points.resize(0);
+  normals.resize(0);
+  StopCheck check_stop(kPixelGrain);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    check_stop();
+    const Eigen::Vector3f point = cloud.points[i];
+    if (!((T_camera_scene * point).z() < farthest)) continue;
+    points.push_back(point);
+    normals.push_back(cloud.normals[i]);
+  }
 }
 
 }  // namespace
@@ -47,29 +65,28 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   SceneSample sample;
   sample.step = step;
   sample.largest_diameter = largest_diameter;
-  Points points;
-  Normals normals;
+  const Pose& T_camera_scene = scene.images.front().geometry.T_camera_scene;
+  const float farthest = farthest_shown(scene, largest_diameter, step);
+  Points near, points;
+  Normals near_normals, normals;
   kernels::SubsampleScratch scratch;
-  kernels::subsample_by_normals({scene.points, scene.normals}, step, kNormalClusterRad, points,
-                                normals, scratch);
+  choose_near({scene.points, scene.normals}, T_camera_scene, farthest, near, near_normals);
+  kernels::subsample_by_normals({near, near_normals}, step, kNormalClusterRad, points, normals,
+                                scratch);
   check_stop();
+  // Means lie on planes more surely than measurements, whose normals are noisy.
   std::vector<std::uint8_t> labels(points.size(), 0);
   if (large_planes == LargePlanes::left_out)
     kernels::label_planes(points, normals, scene.planes, kPlaneAngleRad, labels);
   const std::vector<std::uint8_t> background = background_planes(scene, largest_diameter);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (labels[i] != 0 && background[labels[i] - 1U] != 0) continue;
-    if (!shows(scene, points[i], largest_diameter, step)) continue;
     sample.points.push_back(points[i]);
     sample.normals.push_back(normals[i]);
   }
-  kernels::subsample_by_normals({scene.edges, scene.edge_directions}, kEdgeSpacing * step,
-                                kNormalClusterRad, points, normals, scratch);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!shows(scene, points[i], largest_diameter, step)) continue;
-    sample.edges.push_back(points[i]);
-    sample.edge_directions.push_back(normals[i]);
-  }
+  choose_near({scene.edges, scene.edge_directions}, T_camera_scene, farthest, near, near_normals);
+  kernels::subsample_by_normals({near, near_normals}, kEdgeSpacing * step, kNormalClusterRad,
+                                sample.edges, sample.edge_directions, scratch);
   return sample;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "kernels/common/median.hpp"
 
@@ -111,6 +112,11 @@ double fit_exponent(std::span<const SmoothPatch> patches) {
 
 float SensorModel::growth(float at_range) const noexcept {
   return at_range > 0 && exponent > 0 ? std::pow(at_range / range, exponent) : 1;
+}
+
+float SensorModel::range_of_growth(float factor) const noexcept {
+  if (exponent > 0) return range * std::pow(factor, 1 / exponent);
+  return factor < 1 ? 0 : std::numeric_limits<float>::infinity();
 }
 
 float SensorModel::error_at(float at_range) const noexcept {

@@ -36,6 +36,9 @@ struct SensorModel {
   }
   /// Independent and correlated noise together.
   float error_at(float at_range) const noexcept;
+  /// The range from which on both noises are larger than so many times those at the reference range
+  /// [scene unit]; infinite or 0 if they are the same at all ranges.
+  float range_of_growth(float factor) const noexcept;
   /// The same sensor with a filter of this length, which makes neighbors err alike; 0: without one.
   SensorModel smoothed_by(float length) const noexcept;
   /// Largest shift of an outline in the image [pixel].
