@@ -34,7 +34,7 @@ Sweep make_sweep() {
       engine::sample_scene(prepared_scan(), quantization.distance_step, sweep.model.diameter),
       options);
   kernels::PairScratch scratch(level.points.size());
-  std::vector<std::uint64_t> keys;
+  kernels::VoteKeys keys;
   for (const std::uint32_t r : level.references) {
     Points points;
     Normals normals;

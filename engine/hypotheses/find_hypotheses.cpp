@@ -20,7 +20,7 @@ struct VoteScratch {
   Points points;
   Normals normals;
   kernels::PairScratch pairs;
-  std::vector<std::uint64_t> keys;
+  kernels::VoteKeys keys;
   std::vector<kernels::SceneVote> votes;
   Column<std::uint16_t> accumulator;
   std::uint64_t num_pairs = 0, num_votes = 0;

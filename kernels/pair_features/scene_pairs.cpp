@@ -10,8 +10,9 @@
 namespace trivet::kernels {
 namespace {
 
-std::uint64_t pack(std::uint32_t cell, std::uint16_t rotation) noexcept {
-  return (static_cast<std::uint64_t>(cell) << 16) | rotation;
+void add(std::uint32_t cell, std::uint16_t rotation, VoteKeys& keys) {
+  keys.bins.push_back(std::uint64_t{cell} * kRotationBins + (rotation >> kRotationShift));
+  keys.rotations.push_back(rotation);
 }
 
 /// The one or two bins of a component, depending on its distance from a border.
@@ -31,8 +32,7 @@ Bins bins_of(float value, float per_bin, std::uint32_t num_bins, float share) no
 
 void collect_with_neighbor_cells(const CellLookup& lookup, const PairFeaturesSpan& f,
                                  std::span<const std::uint32_t> cells,
-                                 std::span<const std::uint16_t> rotations,
-                                 std::vector<std::uint64_t>& keys) {
+                                 std::span<const std::uint16_t> rotations, VoteKeys& keys) {
   const PpfQuantization& q = lookup.quantization;
   const float share = lookup.neighbor_share;
   const std::uint32_t angles = q.num_angle_bins;
@@ -49,7 +49,7 @@ void collect_with_neighbor_cells(const CellLookup& lookup, const PairFeaturesSpa
           for (std::uint32_t i3 = 0; i3 < b3.count; ++i3) {
             const std::uint32_t cell =
                 ((d.bin[i0] * angles + b1.bin[i1]) * angles + b2.bin[i2]) * angles + b3.bin[i3];
-            keys.push_back(pack(cell, rotations[i]));
+            add(cell, rotations[i], keys);
           }
         }
       }
@@ -60,8 +60,8 @@ void collect_with_neighbor_cells(const CellLookup& lookup, const PairFeaturesSpa
 }  // namespace
 
 void collect_scene_votes(const ReferenceFrame& reference, const OrientedView& neighbors,
-                         const CellLookup& lookup, PairScratch& scratch,
-                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes) {
+                         const CellLookup& lookup, PairScratch& scratch, VoteKeys& keys,
+                         std::vector<SceneVote>& votes) {
   const std::size_t n = neighbors.points.size();
   const PairFeaturesSpan features = scratch.features(n);
   const auto cells = std::span(scratch.cells).first(n);
@@ -69,23 +69,28 @@ void collect_scene_votes(const ReferenceFrame& reference, const OrientedView& ne
   compute_pair_features(reference, neighbors.points, neighbors.normals, features);
   quantize_pair_features(lookup.quantization, features, cells, rotations);
 
-  keys.clear();
+  keys.bins.clear();
+  keys.rotations.clear();
   if (lookup.neighbor_share > 0) {
     collect_with_neighbor_cells(lookup, features, cells, rotations, keys);
   } else {
     for (std::size_t i = 0; i < n; ++i) {
-      if (cells[i] != kNoCell) keys.push_back(pack(cells[i], rotations[i]));
+      if (cells[i] != kNoCell) add(cells[i], rotations[i], keys);
     }
   }
-  std::sort(keys.begin(), keys.end());
+  const std::uint64_t num_bins = std::uint64_t{lookup.quantization.num_cells()} * kRotationBins;
+  radix_sort(keys.bins, keys.rotations, num_bins, keys.sort);
 
   votes.clear();
   std::uint64_t last = ~std::uint64_t{0};
-  for (const std::uint64_t key : keys) {
-    const std::uint64_t flag = key >> kRotationShift;
-    if (flag == last) continue;
-    last = flag;
-    votes.push_back({static_cast<std::uint32_t>(key >> 16), static_cast<std::uint16_t>(key)});
+  for (std::size_t i = 0; i < keys.bins.size(); ++i) {
+    const auto rotation = static_cast<std::uint16_t>(keys.rotations[i]);
+    if (keys.bins[i] == last) {
+      votes.back().rotation = std::min(votes.back().rotation, rotation);
+      continue;
+    }
+    last = keys.bins[i];
+    votes.push_back({static_cast<std::uint32_t>(last / kRotationBins), rotation});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "kernels/common/radix_sort.hpp"
 #include "kernels/pair_features/ppf_table.hpp"
 #include "storage/data/points.hpp"
 #include "storage/data/ppf_table.hpp"
@@ -30,6 +31,13 @@ struct CellLookup {
   float neighbor_share;
 };
 
+/// Working memory of collect_scene_votes.
+struct VoteKeys {
+  Column<std::uint64_t> bins;       ///< cell and rotation bin of each pair
+  Column<std::uint32_t> rotations;  ///< of each pair
+  RadixScratch sort;
+};
+
 /// Collect the look-ups of one reference point, sorted by cell so that the table is accessed in
 /// ascending order.
 ///
@@ -38,7 +46,7 @@ struct CellLookup {
 /// 3.4), so that large flat regions, which repeat the same pair, do not outvote the rest. The
 /// lowest rotation represents its bin. votes is cleared; it keeps its capacity.
 void collect_scene_votes(const ReferenceFrame& reference, const OrientedView& neighbors,
-                         const CellLookup& lookup, PairScratch& scratch,
-                         std::vector<std::uint64_t>& keys, std::vector<SceneVote>& votes);
+                         const CellLookup& lookup, PairScratch& scratch, VoteKeys& keys,
+                         std::vector<SceneVote>& votes);
 
 }  // namespace trivet::kernels

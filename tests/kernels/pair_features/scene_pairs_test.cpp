@@ -20,7 +20,7 @@ const PpfQuantization kQuantization{0.3F, 9, 6};
 struct Scratch {
   explicit Scratch(std::size_t n) : pairs(n) {}
   PairScratch pairs;
-  std::vector<std::uint64_t> keys;
+  VoteKeys keys;
   std::vector<SceneVote> votes;
 };
 

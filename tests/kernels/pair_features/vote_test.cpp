@@ -238,7 +238,7 @@ TEST(Voting, FindsTheMotionOfACopy) {
     const OrientedCloud scene = test::moved(model, truth);
     const Table table(model);
     PairScratch scratch(100);
-    std::vector<std::uint64_t> keys;
+    VoteKeys keys;
     std::vector<SceneVote> votes;
     Accumulator accumulator(100 * kRotationBins, 0);
     for (std::uint32_t r = 0; r < 100; r += 10) {
