@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine/common/made_once.hpp"
+#include "engine/common/parallel.hpp"
 #include "engine/libraries/index_features.hpp"
 #include "engine/loaded_library/find_look_alikes.hpp"
 #include "engine/loaded_library/surface_cache.hpp"
@@ -87,6 +88,23 @@ Result<const std::vector<engine::NearCopy>*> Recognizer::near_copies(std::uint32
       [&] { return engine::find_near_copies(library_, **alike, model); });
   if (!found) return found.error();
   return &*found;
+}
+
+void Recognizer::make_ready() const {
+  std::size_t data = 0, trees = 0;
+  for (std::uint32_t m = 0; m < library_.models.size(); ++m) {
+    const ModelShape shape = library_.shape(m);
+    data += shape.bytes;
+    trees += kernels::RayScene::memory_bytes(shape.num_triangles > 0 ? shape.num_triangles
+                                                                     : shape.num_samples);
+  }
+  const std::size_t share = memory_.bytes / kSurfaceShare;
+  if (trees > share || data > memory_.bytes - share) return;
+  engine::for_each_index(library_.models.size(), [&](std::size_t k) {
+    const auto model = static_cast<std::uint32_t>(k);
+    if (library_.shape(model).has_pairs()) (void)library_.pairs(model);
+    if (library_.samples(model)) (void)surface(model);
+  });
 }
 
 void Recognizer::release_memory() const {

@@ -50,6 +50,10 @@ class Recognizer {
   /// Look-alikes most of whose surfaces coincide with this one's, determined on first use. Errors:
   /// damaged.
   Result<const std::vector<engine::NearCopy>*> near_copies(std::uint32_t model) const;
+  /// Check the pairs and samples of all models and build their surfaces, so that the first scene
+  /// takes no longer than later ones; of a library that exceeds the memory bound nothing. Damaged
+  /// models are left to the scenes that need them.
+  void make_ready() const;
   /// Release pages of the mapped file beyond the bound, between scenes and between levels of the
   /// index.
   void release_memory() const;

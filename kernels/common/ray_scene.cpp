@@ -106,12 +106,7 @@ struct RayScene::State {
     void* volatile probe = ::operator new(bytes());
     ::operator delete(probe);
   }
-  std::size_t bytes() const noexcept {
-    // Corners, indices and the tree over them: Embree counts 85 to 93 bytes per triangle for meshes
-    // of 450 to 100,000 triangles.
-    constexpr std::size_t kBytesAPrimitive = 96, kBytesAScene = 4096;
-    return kBytesAScene + num_primitives * kBytesAPrimitive;
-  }
+  std::size_t bytes() const noexcept { return memory_bytes(num_primitives); }
 
   /// Attach under the next index, in the order of the calls.
   void attach(const Geometry& geometry) {
@@ -132,6 +127,13 @@ RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 RayScene::~RayScene() = default;
 
 std::size_t RayScene::memory_bytes() const noexcept { return state_->bytes(); }
+
+std::size_t RayScene::memory_bytes(std::size_t num_primitives) noexcept {
+  // Corners, indices and the tree over them: Embree counts 85 to 93 bytes per triangle for meshes
+  // of 450 to 100,000 triangles.
+  constexpr std::size_t kBytesAPrimitive = 96, kBytesAScene = 4096;
+  return kBytesAScene + num_primitives * kBytesAPrimitive;
+}
 
 Result<RayScene> RayScene::from_mesh(PointsView vertices, TrianglesView triangles) {
   if (triangles.empty()) {

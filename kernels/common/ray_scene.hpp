@@ -58,6 +58,8 @@ class RayScene {
 
   /// Approximate memory use.
   std::size_t memory_bytes() const noexcept;
+  /// Approximate memory use of a scene of so many triangles, spheres or discs.
+  static std::size_t memory_bytes(std::size_t num_primitives) noexcept;
 
   /// Whether the ray origin + t direction hits anything for t_near <= t <= t_far (may be infinite).
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float t_near,

@@ -6,6 +6,7 @@
 
 #include "engine/common/parallel.hpp"
 #include "engine/training/train.hpp"
+#include "support/allocations.hpp"
 #include "support/rendered_scene.hpp"
 
 namespace trivet {
@@ -21,6 +22,17 @@ TEST(Recognizer, BuildsASurfaceOnceForAllThreads) {
   engine::for_each_index(surfaces.size(),
                          [&](std::size_t i) { surfaces[i] = recognizer.surface(0)->get(); });
   EXPECT_EQ(std::set(surfaces.begin(), surfaces.end()).size(), 1U);
+}
+
+TEST(Recognizer, HasSurfacesBeforeTheyAreAskedFor) {
+  const Recognizer ready(Library({bracket()})), bounded(Library({bracket()}), default_score(), {1});
+  ready.make_ready();
+  bounded.make_ready();
+  const auto building = [](const Recognizer& recognizer) {
+    return test::allocations_in([&] { (void)recognizer.surface(0); });
+  };
+  EXPECT_EQ(building(ready), 0U);
+  EXPECT_GT(building(bounded), 0U);
 }
 
 // The discs of a model without faces lie where its faces would, seen from every direction.

@@ -22,8 +22,9 @@ Result<std::shared_ptr<const LibraryGeneration>> load_generation(const LibraryFi
   if (!recognizer) return recognizer.error();
   auto generation =
       std::make_shared<LibraryGeneration>(LibraryGeneration{std::move(*recognizer), number});
-  // Computed now for a file without an index, so that no scene waits for it.
+  // Computed now, so that no scene waits for it; the features of a file without an index, too.
   TRIVET_TRY(generation->recognizer.features());
+  generation->recognizer.make_ready();
   return std::shared_ptr<const LibraryGeneration>(std::move(generation));
 }
 
