@@ -288,8 +288,11 @@ TEST_F(Serve, ShowsScansModelsAndWhatWasRejected) {
     for (const nlohmann::json& part : words["parts"])
       log_odds += scene["detections"][0]["evidence"][part["name"].get<std::string>()].get<double>();
     EXPECT_NEAR(scene["detections"][0]["score"].get<double>(), 1 / (1 + std::exp(-log_odds)), 1e-3);
-    EXPECT_FALSE(scene["rejected"].empty());
-    for (const nlohmann::json& rejected : scene["rejected"])
+    const nlohmann::json refused =
+        ask(port, "POST", query_ + "&rejected=5&min-score=1", scan.body).json()["scenes"][0];
+    EXPECT_TRUE(refused["detections"].empty());
+    EXPECT_FALSE(refused["rejected"].empty());
+    for (const nlohmann::json& rejected : refused["rejected"])
       EXPECT_NE(rejected.at("words").get<std::string>(), "");
     EXPECT_EQ(ask(port, "POST", query_ + "&rejected=101", scan.body).status, 400);
   });

@@ -43,13 +43,14 @@ TEST(ImprovementSet, HoldsWhatWasPutIn) {
   }
 }
 
-/// Two brackets and a lever in front of a wall, the depth noisy and wavy, and the poses found with
-/// all improvements.
+/// Two brackets, two levers and an unknown block in front of a wall, the depth noisy and wavy, and the
+/// poses found with all improvements.
 class WithoutImprovement : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const test::Shape bracket = test::bracket(), lever = test::lever();
     const test::Shape wall = test::box({-1, -1, 1.1F}, {1, 1, 1.2F});
+    const test::Shape block = test::box({-0.06F, -0.05F, -0.03F}, {0.06F, 0.05F, 0.03F});
     std::vector<Model> models;
     for (const auto& [name, shape] : {std::pair{"bracket", &bracket}, std::pair{"lever", &lever}}) {
       auto trained =
@@ -63,7 +64,8 @@ class WithoutImprovement : public testing::Test {
                            {&bracket, test::pose_of({2.1F, 0.7F, -0.4F}, {-0.15F, 0.03F, 0.85F})},
                            {&bracket, test::pose_of({-1.0F, 0.2F, 1.2F}, {0.05F, -0.1F, 0.95F})},
                            {&lever, test::pose_of({-0.6F, 0.5F, 1.9F}, {0.14F, 0.02F, 0.95F})},
-                           {&lever, test::pose_of({0.3F, -0.4F, 0.9F}, {-0.06F, 0.1F, 0.92F})}});
+                           {&lever, test::pose_of({0.3F, -0.4F, 0.9F}, {-0.06F, 0.1F, 0.92F})},
+                           {&block, test::pose_of({0.4F, 0.9F, 0.2F}, {-0.12F, -0.12F, 0.9F})}});
     kernels::CounterRandom random(7, 0, 0);
     const std::span<float> z = scene_.points.span().z;
     for (std::size_t i = 0; i < z.size(); ++i) {

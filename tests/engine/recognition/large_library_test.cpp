@@ -76,7 +76,7 @@ TEST_F(LargeLibrary, IsSearchedWithinLimitsAndFindsTheVeryModels) {
   const SceneResult all = found({.search = Search::exhaustive});
   expect_both(all);
   EXPECT_LT(4 * within.stats.num_votes, all.stats.num_votes);
-  EXPECT_LT(within.stats.num_examined, all.stats.num_examined);
+  EXPECT_LT(within.stats.num_refined, all.stats.num_refined);
 
   const SceneResult by_features = found({.method = Method::trisi, .budget = kHalf});
   expect_both(by_features);

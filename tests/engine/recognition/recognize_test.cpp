@@ -77,6 +77,17 @@ TEST_F(Recognize, FindsEachOfSeveralInstances) {
   EXPECT_EQ(limited->detections.size(), 1U);
 }
 
+// Most refined poses agree little, and lie on what those of the first portion explain.
+TEST_F(Recognize, TestsFewPosesOnWhatIsFound) {
+  const Pose left = test::pose_of({0.3F, 2.0F, 0.1F}, {-0.18F, 0, 0.9F});
+  const Pose right = test::pose_of({-1.0F, 0.2F, 1.2F}, {0.18F, 0.02F, 0.95F});
+  const Cloud scene = test::render_scan({{&bracket_, left}, {&bracket_, right}});
+  const auto result = recognize(recognizer_, scene, {}, {});
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->detections.size(), 2U);
+  EXPECT_LT(result->stats.num_examined, result->stats.num_refined / 4);
+}
+
 TEST_F(Recognize, GivesTheSameBytesForAnyNumberOfThreads) {
   const Cloud scene = clutter();
   for (const Method method : {Method::fused, Method::ppf, Method::trisi}) {
@@ -116,8 +127,13 @@ TEST_F(Recognize, AddsDoubtfulDetectionsWhereTheyAreAskedFor) {
 }
 
 TEST_F(Recognize, ReportsRejectedPosesOnRequest) {
-  const auto silent = recognize(recognizer_, clutter(), {}, {});
-  const auto result = recognize(recognizer_, clutter(), {}, {.max_rejected = 3});
+  const test::Shape rod = test::prism(40, test::circle(0.03), -0.1, 0.1);
+  const Cloud scene =
+      test::render_scan({{&bracket_, bracket_pose()},
+                         {&lever_, lever_pose()},
+                         {&rod, test::pose_of({1.2F, 0.3F, 0.1F}, {-0.12F, -0.12F, 0.95F})}});
+  const auto silent = recognize(recognizer_, scene, {}, {});
+  const auto result = recognize(recognizer_, scene, {}, {.max_rejected = 3});
   ASSERT_TRUE(silent && result);
   EXPECT_TRUE(silent->rejected.empty());
   ASSERT_EQ(result->detections.size(), silent->detections.size());

@@ -320,6 +320,11 @@ TEST(SensorModel, GrowsWithItsPowerOfRange) {
   EXPECT_FLOAT_EQ(model.correlated_noise_at(1).slope_rad, 0.1F);
   EXPECT_FLOAT_EQ(model.error_at(1), 4 * 5e-3F);
   EXPECT_FLOAT_EQ(model.error_at(-1), 5e-3F) << "nothing is seen there";
+  EXPECT_FLOAT_EQ(model.range_of_growth(4), 1);
+  EXPECT_FLOAT_EQ(model.noise_at(model.range_of_growth(0.3F)), 0.3F * 3e-3F);
+  model.exponent = 0;
+  EXPECT_EQ(model.range_of_growth(0.9F), 0) << "errors are larger at any range";
+  EXPECT_EQ(model.range_of_growth(1.1F), std::numeric_limits<float>::infinity());
 }
 
 }  // namespace
