@@ -43,19 +43,30 @@ float farthest_shown(const PreparedScene& scene, float diameter, float step) {
                   diameter * scene.images.front().geometry.fx / kFewestErrors);
 }
 
-/// The points of a cloud up to a range from the sensor.
-void choose_near(const OrientedView& cloud, const Pose& T_camera_scene, float farthest,
-                 Points& points, Normals& normals) {
-  points.resize(0);
-  normals.resize(0);
+/// The points of a cloud up to a range from the sensor: the cloud itself if none is farther away.
+///
+/// points, normals  storage of the others
+OrientedView choose_near(const OrientedView& cloud, const Pose& T_camera_scene, float farthest,
+                         Points& points, Normals& normals) {
+  const std::size_t n = cloud.points.size();
+  std::vector<float> ranges(n);
   StopCheck check_stop(kPixelGrain);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     check_stop();
-    const Eigen::Vector3f point = cloud.points[i];
-    if (!((T_camera_scene * point).z() < farthest)) continue;
-    points.push_back(point);
-    normals.push_back(cloud.normals[i]);
+    ranges[i] = (T_camera_scene * cloud.points[i]).z();
   }
+  const auto is_far = [&](float range) { return range >= farthest; };
+  const auto num_far = std::ranges::count_if(ranges, is_far);
+  if (num_far == 0) return cloud;
+  points.resize(n - static_cast<std::size_t>(num_far));
+  normals.resize(points.size());
+  for (std::size_t i = 0, k = 0; i < n; ++i) {
+    check_stop();
+    if (is_far(ranges[i])) continue;
+    points.set(k, cloud.points[i]);
+    normals.set(k++, cloud.normals[i]);
+  }
+  return {points, normals};
 }
 
 }  // namespace
@@ -70,9 +81,9 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
   Points near, points;
   Normals near_normals, normals;
   kernels::SubsampleScratch scratch;
-  choose_near({scene.points, scene.normals}, T_camera_scene, farthest, near, near_normals);
-  kernels::subsample_by_normals({near, near_normals}, step, kNormalClusterRad, points, normals,
-                                scratch);
+  kernels::subsample_by_normals(
+      choose_near({scene.points, scene.normals}, T_camera_scene, farthest, near, near_normals),
+      step, kNormalClusterRad, points, normals, scratch);
   check_stop();
   // Means lie on planes more surely than measurements, whose normals are noisy.
   std::vector<std::uint8_t> labels(points.size(), 0);
@@ -84,9 +95,10 @@ SceneSample sample_scene(const PreparedScene& scene, float step, float largest_d
     sample.points.push_back(points[i]);
     sample.normals.push_back(normals[i]);
   }
-  choose_near({scene.edges, scene.edge_directions}, T_camera_scene, farthest, near, near_normals);
-  kernels::subsample_by_normals({near, near_normals}, kEdgeSpacing * step, kNormalClusterRad,
-                                sample.edges, sample.edge_directions, scratch);
+  kernels::subsample_by_normals(choose_near({scene.edges, scene.edge_directions}, T_camera_scene,
+                                            farthest, near, near_normals),
+                                kEdgeSpacing * step, kNormalClusterRad, sample.edges,
+                                sample.edge_directions, scratch);
   return sample;
 }
 
