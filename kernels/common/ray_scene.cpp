@@ -103,10 +103,9 @@ struct RayScene::State {
   /// Building a tree crashes in Embree 3.13 if memory runs out. Throws std::bad_alloc instead if
   /// the expected amount is not available beforehand.
   void require_memory() const {
-    void* volatile probe = ::operator new(bytes());
+    void* volatile probe = ::operator new(memory_bytes(num_primitives));
     ::operator delete(probe);
   }
-  std::size_t bytes() const noexcept { return memory_bytes(num_primitives); }
 
   /// Attach under the next index, in the order of the calls.
   void attach(const Geometry& geometry) {
@@ -126,7 +125,7 @@ RayScene::RayScene(RayScene&&) noexcept = default;
 RayScene& RayScene::operator=(RayScene&&) noexcept = default;
 RayScene::~RayScene() = default;
 
-std::size_t RayScene::memory_bytes() const noexcept { return state_->bytes(); }
+std::size_t RayScene::memory_bytes() const noexcept { return memory_bytes(state_->num_primitives); }
 
 std::size_t RayScene::memory_bytes(std::size_t num_primitives) noexcept {
   // Corners, indices and the tree over them: Embree counts 85 to 93 bytes per triangle for meshes
